@@ -29,7 +29,8 @@ struct Settings {
     LevelStartHessian level_start = LevelStartHessian::carried;
     double min_expected_gain = OptimizeOptions().min_expected_gain;
     std::vector<int> fields;
-    bool values_only = false, by_program = false, limits_by_models = false;
+    bool values_only = false, by_program = false, limits_by_models = false, limits_by_turns = false;
+    double motion_limit = 1;
     double noise = 0, failures = 0;
     int batch = OptimizeOptions().batch;
     /// Objectives, as minimized, at which a run has seen enough, by problem and method; none: it goes on.
@@ -133,10 +134,12 @@ void run_problem(const std::string& name, const Settings& settings) {
     problem.problem.optimize.level_start = settings.level_start;
     problem.problem.optimize.min_expected_gain = settings.min_expected_gain;
     problem.problem.optimize.batch = settings.batch;
+    problem.problem.parameters.max_displacement *= settings.motion_limit;
     if (!settings.fields.empty()) problem = with_displacement_fields(problem, settings.fields);
     if (settings.values_only) problem = without_gradients(problem);
     if (settings.by_program) problem = with_objective_by_program(problem);
     problem.problem.optimize.limits_by_models = settings.limits_by_models;
+    problem.problem.optimize.limits_by_turns = settings.limits_by_turns;
     const std::filesystem::path folder = settings.out;
     for (const Solver solver : all_solvers())
         for (const Method method : methods_of(problem)) {
@@ -219,6 +222,10 @@ int main(int argc, char** argv) {
                  "the same for the objective alone, as if a flow solver told it; limits are known, with gradients");
     app.add_flag("--limits-by-models", settings.limits_by_models,
                  "model meets limits that are known along the slopes of its models, as in earlier runs");
+    app.add_flag("--limits-by-turns", settings.limits_by_turns,
+                 "model meets limits that are known and the motion limit by turns, as in earlier runs");
+    app.add_option("--motion-limit", settings.motion_limit, "share of the problems' own")
+        ->check(CLI::Range(0.01, 100.0));
     app.add_option("--batch", settings.batch, "designs that model proposes together")->check(CLI::Range(1, 1000));
     app.add_option("--noise", settings.noise,
                    "of the objective's values, a share of what the same way gains without; traces have true values")

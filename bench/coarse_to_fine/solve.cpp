@@ -378,6 +378,7 @@ void run_comparator(const EvidenceProblem& evidence, const ComparedMotion& motio
     how.constraint_tolerance = options.constraint_tolerance;
     how.batch = options.batch;
     how.limits_by_models = options.limits_by_models;
+    how.limits_by_turns = options.limits_by_turns;
     if (!how.limits_by_models)
         for (int j = motion.size(); j < result.variables; ++j) how.first_alone.push_back(j);
     how.on_step = [&](const MinimizeStep&) { return !tracer.has_enough(); };

@@ -85,6 +85,14 @@ Eigen::VectorXd ShapeEvaluator::within(const Eigen::VectorXd& x, double slack, d
     return moved_inside(solver_, x, inside_x_, slack, angle);
 }
 
+bool ShapeEvaluator::has_shape(const Eigen::VectorXd& x) {
+    try {
+        return solver_.has_shape(x);
+    } catch (const Interrupted&) {
+        queue_.interrupt();
+    }
+}
+
 bool ShapeEvaluator::is_beyond(const Eigen::VectorXd& x, double slack) {
     ShapeEvaluation shape;
     return !solver_.limit().is_none() && solver_.settle(x, shape) &&

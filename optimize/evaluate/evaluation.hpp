@@ -27,6 +27,8 @@ public:
     /// x, or where its shape does not keep `slack` of the motion limit, has an edge above `angle` (degrees), or its
     /// fields fold space, a design near it whose shape is within, if there is one (`moved_inside`).
     Eigen::VectorXd within(const Eigen::VectorXd& x, double slack, double angle = EdgeFolds::kept);
+    /// There is a shape at x, valid and within the motion limit.
+    bool has_shape(const Eigen::VectorXd& x);
     /// The shape at x has an equilibrium that does not keep `slack` of the motion limit, or it or its fields fold.
     bool is_beyond(const Eigen::VectorXd& x, double slack);
     /// `strake::motion_conditions`: of vertices near their limits, and of edges that nearly fold.

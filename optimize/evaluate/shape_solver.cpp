@@ -123,6 +123,7 @@ bool ShapeSolver::settle(const Eigen::VectorXd& x, ShapeEvaluation& result) {
     if (!is_known || (settled_.vertices.rows() > 0 && !is_at(x))) {
         settled_x_.resize(0);
         settled_ = {};
+        settled_defect_.reset();
         solve(x, settled_);
         settled_x_ = x;
     }
@@ -203,17 +204,28 @@ Points ShapeSolver::beside_planform(const Points& vertices) const {
     return strake::beside_planform(*rest_, shell_demand_, vertices);
 }
 
+const std::string& ShapeSolver::defect() {
+    if (!settled_defect_) settled_defect_ = defect_of(guard_, *rest_, shell_demand_, settled_.vertices, shell_.get());
+    return *settled_defect_;
+}
+
 bool ShapeSolver::is_valid(const Eigen::VectorXd& x, ShapeEvaluation& result) {
     last_.reset();
     if (!settle(x, result)) return false;
     last_ = shell_ ? shell_->poses() : Poses{};
     last_x_ = x;
-    result.reason = defect_of(guard_, *rest_, shell_demand_, result.vertices, shell_.get());
+    result.reason = defect();
     if (result.reason.empty()) return true;
     result.status = EvaluationStatus::invalid;
     result.vertices.resize(0, 3);
     last_.reset();
     return false;
+}
+
+bool ShapeSolver::has_shape(const Eigen::VectorXd& x) {
+    ShapeEvaluation shape;
+    return no_datum_.empty() && settle(x, shape) && defect().empty() &&
+           (limit_.is_none() || limit_.excess(beside_planform(shape.vertices)).empty());
 }
 
 bool ShapeSolver::deform(const Eigen::VectorXd& x, ShapeEvaluation& result) {

@@ -45,6 +45,8 @@ public:
 
     /// Fills vertices and max_displacement, or status and reason: false. @throws Interrupted, UnheldPart, InvalidInput.
     bool deform(const Eigen::VectorXd& x, ShapeEvaluation& result);
+    /// `deform` would succeed now. The last design stays what it is. @throws as `deform`.
+    bool has_shape(const Eigen::VectorXd& x);
     /// The equilibrium only, valid or not: vertices, or status and reason. Nothing is done for the x of the last call.
     bool settle(const Eigen::VectorXd& x, ShapeEvaluation& result);
     /// The same as `deform` after setting the accepted poses, but that the motion limit is not asked; where it
@@ -80,6 +82,8 @@ private:
     void build_shell(const ShellDemand& demand);
     bool solve(const Eigen::VectorXd& x, ShapeEvaluation& result);
     bool at_equilibrium(const Eigen::VectorXd& x, ShapeEvaluation& result);
+    /// Of what `settle` gave last.
+    const std::string& defect();
     bool is_valid(const Eigen::VectorXd& x, ShapeEvaluation& result);
     void remember(const Eigen::VectorXd& x);
 
@@ -95,9 +99,10 @@ private:
     MotionLimit limit_;
     std::string no_datum_;
     bool is_each_from_datum_ = false;
-    Poses rest_poses_;           ///< of `shell_`
-    Eigen::VectorXd settled_x_;  ///< of the last call of `settle`
-    ShapeEvaluation settled_;    ///< what it gave
+    Poses rest_poses_;                           ///< of `shell_`
+    Eigen::VectorXd settled_x_;                  ///< of the last call of `settle`
+    ShapeEvaluation settled_;                    ///< what it gave
+    std::optional<std::string> settled_defect_;  ///< of that, once somebody asked
     Eigen::VectorXd last_x_;
     std::optional<Poses> accepted_, last_;
     struct KnownShape {

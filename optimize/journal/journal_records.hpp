@@ -24,7 +24,7 @@ struct RunLimits {
 };
 
 /// Of runs that begin now; the first is 1.
-constexpr int latest_meaning = 14;
+constexpr int latest_meaning = 15;
 inline int meaning_of(const std::string& written) {
     for (int meaning = 1; meaning < latest_meaning; ++meaning)
         if (written == std::to_string(meaning)) return meaning;
@@ -55,7 +55,9 @@ struct JournalFacts {
     /// ones by differences begin by `model` in order (`OptimizeOptions::descends_as_before`); wraps that carry badly
     /// get more centres (`WrapBindingOptions::max_centers`); 13: searches by models know the slopes of limits that are
     /// known exactly (`MinimizeOptions::limits_by_models`); 14: long runs by values alone that begin with fields are
-    /// searched by models (`OptimizeOptions::long_runs_by_differences`).
+    /// searched by models (`OptimizeOptions::long_runs_by_differences`); 15: searches by models meet limits that are
+    /// known exactly and the motion limit together, and propose designs that have a shape
+    /// (`MinimizeOptions::limits_by_turns`).
     int meaning = latest_meaning;
     std::vector<std::string> values, parameters;  ///< names of the values and of the parameters
     std::map<std::string, std::string> files;     ///< hash of each file that the case names

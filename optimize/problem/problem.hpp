@@ -183,6 +183,7 @@ struct OptimizeOptions {
     /// `sqp`: `MinimizeOptions`.
     bool descends_as_before = false;
     bool limits_by_models = false;  ///< the meaning of earlier runs: `MinimizeOptions`
+    bool limits_by_turns = false;   ///< the same
     /// The meaning of earlier runs: `method: auto` is `sqp` in all long runs by values alone, and searches by models
     /// begin in random directions: none `is_long_with_fields` (optimize/run/method_choice.hpp).
     bool long_runs_by_differences = false;

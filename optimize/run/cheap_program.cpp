@@ -297,8 +297,9 @@ void CheapProgram::differentiate(Evaluation& sample) {
     for (std::size_t i = 0; i < rows.size(); ++i)
         sample.jacobian.row(static_cast<Eigen::Index>(i)) =
             rows[i].sign / rows[i].scale * gradient_of(value_of(rows[i])).transpose();
-    sample.limits = level_->limits(on_steps(evaluator_.motion_conditions(current_x_, near_limit)),
-                                   evaluator_.fold_conditions(current_x_, nearly_folded));
+    if (level_->tells_limits)
+        sample.limits = level_->limits(on_steps(evaluator_.motion_conditions(current_x_, near_limit)),
+                                       evaluator_.fold_conditions(current_x_, nearly_folded));
     evaluator_.accept();  // the next shape is made from here
 }
 

@@ -26,6 +26,7 @@ public:
         std::function<Eigen::VectorXd(const Eigen::VectorXd& y)> unscaled;
         double slack;  ///< of the motion limit
         double difference_step;
+        bool tells_limits;  ///< with gradients; `method: model` asks the expensive program
         /// Conditions on steps near x, of what an evaluator knows there.
         std::function<StepLimits(const MotionConditions& motion, const FoldConditions& folds)> limits;
         /// Calls, and keeps what it leaves unfinished.

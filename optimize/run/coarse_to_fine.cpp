@@ -340,6 +340,7 @@ private:
         how.learns_as_before = options.learns_as_before;
         how.descends_as_before = options.descends_as_before;
         how.limits_by_models = options.limits_by_models;
+        how.limits_by_turns = options.limits_by_turns;
         how.step_tolerance = options.step_tolerance;
         how.scope = text(" of level ", state_.space.level);
         how.evaluations_before = spent_;

@@ -167,6 +167,7 @@ const NonlinearProgram& LevelProgram::enter(const Eigen::VectorXd& start, bool i
         differences.rows.insert(differences.rows.end(), equalities.begin(), equalities.end());
         program_.differences = differences;
     }
+    program_.is_defined = [this](const Eigen::VectorXd& y) { return state_.evaluator.has_shape(unscaled(y)); };
     limit_motion();
     add_cheap_program();
     if (learns()) program_.known = [this] { return known_points(); };
@@ -186,6 +187,7 @@ void LevelProgram::add_cheap_program() {
         [this](const Eigen::VectorXd& y) { return unscaled(y); },
         slack_,
         std::max(state_.problem.optimize.difference_step, difference_step_),
+        state_.problem.optimize.method != Method::model || state_.problem.optimize.limits_by_turns,
         [this](const MotionConditions& motion, const FoldConditions& folds) { return step_limits(motion, folds); },
         [this](const std::function<void()>& call) { state_.with_unfinished_calls(call); }};
     cheap_->enter(program_, level, [this](const std::vector<std::string>& names) {

@@ -126,6 +126,14 @@ void QuadraticModel::add_inequalities(const StepLimits& limits) {
     num_inequalities += static_cast<int>(more);
 }
 
+void append(StepLimits& all, const StepLimits& more) {
+    const Eigen::Index before = all.values.size(), rows = more.values.size();
+    all.values.conservativeResize(before + rows);
+    all.values.tail(rows) = more.values;
+    all.slopes.conservativeResize(before + rows, more.slopes.cols());
+    all.slopes.bottomRows(rows) = more.slopes;
+}
+
 VectorXd solve_model(const QuadraticModel& model) {
     const Eigen::Index n = model.gradient.size(), rows = model.constraints.size(), ineq = model.num_inequalities;
     // SLSQP's tolerances must not depend on the objective's unit.

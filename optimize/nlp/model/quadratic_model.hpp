@@ -23,6 +23,9 @@ struct QuadraticModel {
     void add_inequalities(const StepLimits& limits);
 };
 
+/// `more` rows below those of `all`.
+void append(StepLimits& all, const StepLimits& more);
+
 /// The step d. Where the linearized constraints cannot all be met within the bounds, a large penalty reduces their
 /// violation. Solved in coordinates in which the Hessian is the identity (least_distance.hpp), by NLopt's SLSQP where
 /// rounding stops that. An empty vector: the Hessian is not positive definite, or both failed.

@@ -102,6 +102,17 @@ void Guard::expect(const std::vector<Eigen::VectorXd>& points) {
     if (program.expect) program.expect(points);
 }
 
+bool Guard::is_defined(const Eigen::VectorXd& x) {
+    if (!program.is_defined || cause != StopCause::none) return true;
+    try {
+        return program.is_defined(x);
+    } catch (...) {
+        exception = std::current_exception();
+        cause = StopCause::exception;
+        return true;
+    }
+}
+
 StepLimits Guard::beyond(const Eigen::VectorXd& from, const Eigen::VectorXd& to) {
     if (!program.beyond || cause != StopCause::none) return {};
     try {

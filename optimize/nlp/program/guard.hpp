@@ -48,6 +48,8 @@ public:
     Eigen::VectorXd inside(const Eigen::VectorXd& x);
     /// These points, which `inside` gave, are asked for next, in this order: they are not moved again.
     void expect(const std::vector<Eigen::VectorXd>& points);
+    /// `NonlinearProgram::is_defined` without an exception: true, `cause` is set.
+    bool is_defined(const Eigen::VectorXd& x);
     /// `NonlinearProgram::beyond` without an exception: `cause` is set, and there are no rows.
     StepLimits beyond(const Eigen::VectorXd& from, const Eigen::VectorXd& to);
 

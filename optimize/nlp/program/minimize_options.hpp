@@ -37,6 +37,9 @@ struct MinimizeOptions {
     /// The meaning of earlier runs, of `model`: limits that are known exactly are met along the models' slopes, and
     /// points around the start or the best one do not keep them.
     bool limits_by_models = false;
+    /// The meaning of earlier runs, of `model`: what limits that are known exactly have moved the limit of motion moves
+    /// again, and designs without a shape are proposed.
+    bool limits_by_turns = false;
     double step_tolerance = 1e-6;        ///< change of every variable
     double constraint_tolerance = 1e-6;  ///< scaled
     int max_shrinks = 8;                 ///< cuts of the step after failures in a row

@@ -94,8 +94,10 @@ struct NonlinearProgram {
     /// The point that is evaluated in place of x: x, or where that is beyond a limit that is no constraint a point near
     /// it that is within. Not asked for points of differences. May be empty.
     std::function<Eigen::VectorXd(const Eigen::VectorXd& x)> within;
+    /// False: `evaluate` fails at x, which is told without what is expensive. May be empty. Used by model.
+    std::function<bool(const Eigen::VectorXd& x)> is_defined;
     /// Of a step to a point beyond such a limit: conditions on steps from where it begins, which is within. No rows:
-    /// the step ends within. May be empty. Used by sqp.
+    /// the step ends within. May be empty. Used by sqp and model.
     std::function<StepLimits(const Eigen::VectorXd& from, const Eigen::VectorXd& to)> beyond;
     /// Gradients that differences give, in place of those of `differentiate` (if there is one).
     std::optional<Differences> differences;

@@ -27,14 +27,6 @@ QuadraticModel StepModel::model_without_cut(const VectorXd& constraints, double 
     return m;
 }
 
-void StepModel::add_limits(const StepLimits& limits) {
-    const Eigen::Index before = limits_.values.size(), more = limits.values.size();
-    limits_.values.conservativeResize(before + more);
-    limits_.values.tail(more) = limits.values;
-    limits_.slopes.conservativeResize(before + more, limits.slopes.cols());
-    limits_.slopes.bottomRows(more) = limits.slopes;
-}
-
 QuadraticModel StepModel::model(const VectorXd& constraints, double damping) const {
     QuadraticModel m = model_without_cut(constraints, damping);
     if (cut) m.add_inequality(cut->normal, cut->normal.dot(now_.x) - cut->limit);

@@ -22,7 +22,7 @@ public:
 
     /// From now on the model keeps to these conditions, too, on steps from the present point: until the search moves
     /// on.
-    void add_limits(const StepLimits& limits);
+    void add_limits(const StepLimits& limits) { append(limits_, limits); }
     void forget_limits() { limits_ = {}; }
 
     /// The model's step, no longer than the radius: the damping that it takes is found by bisection of its logarithm.

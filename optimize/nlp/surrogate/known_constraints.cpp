@@ -84,13 +84,7 @@ double KnownConstraints::violation(const Found& found) const {
     return largest;
 }
 
-bool KnownConstraints::are_met(const Found& found) const {
-    return violation(found) <= 0.5 * guard_.options.constraint_tolerance;
-}
-
-VectorXd KnownConstraints::nearest(const VectorXd& x, const Found& near) const {
-    const std::optional<Found> here = at(x, false);
-    if (!near.has_slopes() || (here && are_met(*here))) return x;
+QuadraticModel KnownConstraints::way_to_nearest(const VectorXd& x, const Found& near) const {
     const NonlinearProgram& p = guard_.program;
     const std::vector<int>& free = guard_.free;
     QuadraticModel model;
@@ -102,14 +96,25 @@ VectorXd KnownConstraints::nearest(const VectorXd& x, const Found& near) const {
         static_cast<int>(std::ranges::count_if(rows_, [&](Eigen::Index i) { return i < p.num_inequalities; }));
     model.jacobian = near.jacobian(rows_, free);
     model.constraints = near.constraints(rows_) + near.jacobian(rows_, Eigen::all) * (x - near.x);
+    return model;
+}
+
+VectorXd KnownConstraints::after(const VectorXd& x, const VectorXd& step) const {
+    VectorXd next = x;
+    next(guard_.free) += step;
+    return next.cwiseMax(guard_.program.lower).cwiseMin(guard_.program.upper);  // but for rounding it is
+}
+
+VectorXd KnownConstraints::nearest(const VectorXd& x, const Found& near) const {
+    const std::optional<Found> here = at(x, false);
+    if (!near.has_slopes() || (here && are_met(*here))) return x;
+    QuadraticModel model = way_to_nearest(x, near);
     VectorXd nearest = x;
     double least = here ? violation(*here) : std::numeric_limits<double>::infinity();
     for (int k = 0; k < corrections; ++k) {
         const VectorXd d = solve_model(model);
         if (d.size() == 0 || !d.allFinite()) break;
-        VectorXd next = x;
-        next(free) += d;
-        next = next.cwiseMax(p.lower).cwiseMin(p.upper);  // but for rounding it is
+        const VectorXd next = after(x, d);
         const std::optional<Found> there = at(next, false);
         // Where curvature outweighs slopes every correction leads farther away.
         if (!there || violation(*there) >= least) break;
@@ -119,6 +124,15 @@ VectorXd KnownConstraints::nearest(const VectorXd& x, const Found& near) const {
         model.constraints += there->constraints(rows_) - (model.constraints + model.jacobian * d);
     }
     return nearest;
+}
+
+VectorXd KnownConstraints::nearest_by_slopes(const VectorXd& x, const Found& near, const VectorXd& from,
+                                             const StepLimits& limits) const {
+    QuadraticModel model = way_to_nearest(x, near);
+    if (limits.values.size() > 0)
+        model.add_inequalities({limits.values + limits.slopes * (x - from), limits.slopes(Eigen::all, guard_.free)});
+    const VectorXd d = solve_model(model);
+    return d.size() == 0 || !d.allFinite() ? x : after(x, d);
 }
 
 }  // namespace strake

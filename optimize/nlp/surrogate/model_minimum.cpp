@@ -16,7 +16,7 @@ constexpr double tolerance = 1e-5;             ///< of the decrease, and of step
 constexpr double constraint_tolerance = 1e-7;  ///< so that what meets the models' constraints meets the program's
 
 /// The models as a nonlinear program in the free variables. Rows: the program's inequalities, the radius, the border
-/// of failures; then equalities.
+/// of failures, conditions on the step; then equalities.
 class ModelProgram {
 public:
     ModelProgram(const NonlinearProgram& program, const SampledPoints& points, const LocalModels& models,
@@ -43,7 +43,9 @@ public:
     }
 
 private:
-    int more() const { return region_.cut ? 2 : 1; }
+    int first_limit() const { return program_.num_inequalities + (region_.cut ? 2 : 1); }
+    Eigen::Index num_limits() const { return region_.limits.values.size(); }
+    int more() const { return first_limit() + static_cast<int>(num_limits()) - program_.num_inequalities; }
     /// So that the deviation has a slope where it is zero.
     double floor() const { return 1e-12 * models_[0].scale() * models_[0].scale(); }
     int row_of(Eigen::Index constraint) const {
@@ -64,6 +66,9 @@ private:
         at.constraints[inequalities] = 0.5 * (step.squaredNorm() / (region_.radius * region_.radius) - 1);
         if (region_.cut)
             at.constraints[inequalities + 1] = (region_.cut->normal.dot(x) - region_.cut->limit) / region_.radius;
+        if (num_limits() > 0)
+            at.constraints.segment(first_limit(), num_limits()) =
+                (region_.limits.values + region_.limits.slopes * step) / region_.radius;
         return at;
     }
 
@@ -84,6 +89,8 @@ private:
         at.jacobian.row(inequalities) = by_y(step / (region_.radius * region_.radius)).transpose();
         if (region_.cut)
             at.jacobian.row(inequalities + 1) = region_.cut->normal(points_.free()).transpose() / region_.radius;
+        if (num_limits() > 0)
+            at.jacobian.middleRows(first_limit(), num_limits()) = region_.limits.slopes * points_.U() / region_.radius;
     }
 
     const NonlinearProgram& program_;

@@ -2,8 +2,7 @@
 
 #include "core/error.hpp"
 #include "optimize/nlp/program/first_order.hpp"
-#include "optimize/nlp/surrogate/known_constraints.hpp"
-#include "optimize/nlp/surrogate/model_minimum.hpp"
+#include "optimize/nlp/surrogate/allowed_minimum.hpp"
 #include "optimize/nlp/surrogate/spread.hpp"
 
 #include <Eigen/Eigenvalues>
@@ -33,12 +32,8 @@ constexpr double same_point = 1e-9;       ///< in z: round-off of inherited desi
 constexpr double next_to = 1e-2;          ///< radii
 constexpr double penalty_over_multiplier = 2;
 constexpr int idle_steps = 2, max_forgotten_borders = 3;
-constexpr double held_limit = 1e-6;      ///< a model's constraint that is nearer to its limit holds the minimum
 constexpr double kept_length = 0.5;      ///< of a step that exact limits shorten: less is tried the other way
 constexpr double min_length_left = 0.1;  ///< what they leave less of goes on as it was: there is nothing to learn
-constexpr double beyond_region = 1.2;    ///< radii: what is projected farther is another proposal
-constexpr int projections = 5;           ///< onto constraints that are known exactly
-constexpr int exact_rounds = 4;          ///< towards constraints that are known exactly
 constexpr double min_curvature = 0.1;    ///< of the mean: what the models do not know bends at least so
 constexpr double visible_noise = 1e-3;   ///< of the model's scale: with more, means tell where the best point is
 
@@ -52,7 +47,11 @@ struct Proposal {
 class ModelSearch {
 public:
     explicit ModelSearch(Guard& guard)
-        : guard_(guard), points_(guard), radius_(guard.options.first_step), known_(guard) {
+        : guard_(guard),
+          points_(guard),
+          radius_(guard.options.first_step),
+          allowed_(guard),
+          minimum_(guard, points_, allowed_, region_, [this](const VectorXd& values) { return merit(values); }) {
         region_.margin = VectorXd::Zero(guard.program.num_inequalities);
         region_.offset = VectorXd::Zero(guard.program.num_inequalities + guard.program.num_equalities);
     }
@@ -70,9 +69,10 @@ public:
 
 private:
     const NonlinearProgram& program() const { return guard_.program; }
+    const KnownConstraints& known() const { return allowed_.known(); }
     /// Constraints that need no model.
     std::vector<Eigen::Index> exact_rows() const {
-        return guard_.options.limits_by_models ? std::vector<Eigen::Index>{} : known_.rows();
+        return guard_.options.limits_by_models ? std::vector<Eigen::Index>{} : known().rows();
     }
     const SampledPoints::Point& centre() const { return points_[centre_]; }
 
@@ -90,7 +90,7 @@ private:
 
     bool has_moved(int axis) const {
         // Exact limits move steps a little along all axes.
-        const double least = guard_.options.limits_by_models || known_.rows().empty() ? same_point : next_to * radius_;
+        const double least = guard_.options.limits_by_models || known().rows().empty() ? same_point : next_to * radius_;
         for (int i = 1; i < points_.size(); ++i)
             if (std::abs(points_[i].z[axis] - points_[0].z[axis]) > least) return true;
         return false;
@@ -184,10 +184,11 @@ private:
     /// What exact limits are where the search stands.
     void look_at_limits() {
         if (guard_.options.limits_by_models) return;
-        if (known_here_ && known_here_->x == centre().x) return;
-        known_here_ = known_.at(centre().x, true);
-        allowed_ = knows_slopes() ? points_.whitened(known_.nearest(centre().x, *known_here_)) : centre().z;
+        if (known_here() && known_here()->x == centre().x) return;
+        allowed_.look_from(centre().x);
+        nearest_ = knows_slopes() ? points_.whitened(known().nearest(centre().x, *known_here())) : centre().z;
     }
+    const std::optional<KnownConstraints::Found>& known_here() const { return allowed_.here(); }
 
     /// At the centre, with gradients by the models.
     Evaluation differentiated() const {
@@ -201,8 +202,8 @@ private:
         for (Eigen::Index i = 0; i < rows; ++i)
             at.jacobian.row(i) = points_.unwhitened((*models_)[i + 1].gradient(c.z)).transpose();
         // Where all points lie on a limit, what its model has in place of a slope is rounding.
-        if (knows_slopes() && known_here_->x == c.x)
-            for (const Eigen::Index i : known_.rows()) at.jacobian.row(i) = known_here_->jacobian.row(i);
+        if (knows_slopes() && known_here()->x == c.x)
+            for (const Eigen::Index i : known().rows()) at.jacobian.row(i) = known_here()->jacobian.row(i);
         return at;
     }
 
@@ -266,7 +267,7 @@ private:
         const VectorXd step = length * next_direction();
         const VectorXd there = guard_.inside(points_.variables(centre().z + step));
         if (!knows_slopes() || guard_.cause != StopCause::none) return there;
-        if ((allowed_ - centre().z).norm() > radius_) return there;  // limits are too far to be met here
+        if ((nearest_ - centre().z).norm() > radius_) return there;  // limits are too far to be met here
         const VectorXd ahead = kept(there, std::abs(length));
         if (left_of(ahead) > kept_length * std::abs(length)) return ahead;
         const VectorXd other = guard_.inside(points_.variables(centre().z - step));
@@ -277,16 +278,13 @@ private:
     }
     /// x, or the design next to it that keeps exact limits.
     VectorXd kept(const VectorXd& x, double length) const {
-        const VectorXd nearest = known_.nearest(x, *known_here_);
+        const VectorXd nearest = known().nearest(x, *known_here());
         // Slopes that lead farther than the step say too little here.
-        return left_of(nearest) <= beyond_region * length && !is_beyond_border(nearest) ? nearest : x;
-    }
-    bool is_beyond_border(const VectorXd& x) const {
-        return region_.cut && region_.cut->normal.dot(x) > region_.cut->limit;
+        return left_of(nearest) <= ProposalRegion::reach * length && !region_.is_beyond_border(nearest) ? nearest : x;
     }
     /// Of a step, once exact limits are kept.
-    double left_of(const VectorXd& x) const { return (points_.whitened(x) - allowed_).norm(); }
-    bool knows_slopes() const { return known_here_ && known_here_->has_slopes(); }
+    double left_of(const VectorXd& x) const { return (points_.whitened(x) - nearest_).norm(); }
+    bool knows_slopes() const { return allowed_.knows_slopes(); }
 
     int exploiting() const {
         // The last batch has nothing to learn for.
@@ -310,7 +308,7 @@ private:
             const VectorXd c = region_.centre;
             const VectorXd from = exploits ? c : VectorXd(c + 0.5 * region_.radius * next_direction());
             const std::size_t before = batch.size();
-            add(batch, minimum(models, exploits ? 0 : confidence, from), region_.radius);
+            add(batch, minimum_.of(models, exploits ? 0 : confidence, from), region_.radius);
             if (batch.size() == before) add(batch, along(exploring_radius * radius_), region_.radius);
             if (batch.size() > before) models.believe(batch.back().z);
             if (is_last) keep_distance(batch);
@@ -319,101 +317,12 @@ private:
         return batch;
     }
 
-    /// What is known exactly holds exactly: there the models serve for their slopes, or for what slopes at the centre
-    /// leave open, whichever leads to less.
-    VectorXd minimum(const LocalModels& models, double deviations, const VectorXd& from) {
-        region_.offset.setZero();
-        region_.tilt.resize(0, 0);
-        const VectorXd x = points_.variables(corrected(models, deviations, from));
-        // What looks around is for learning: within all limits it would see less of what lies beyond.
-        const bool explores = deviations > 0;
-        if (explores || !knows_slopes() || guard_.cause != StopCause::none) return x;
-        const VectorXd by_models = projected(x);
-        align(models);
-        const VectorXd by_slopes = projected(points_.variables(corrected(models, deviations, from)));
-        if (guard_.cause != StopCause::none) return by_models;
-        return promise(models, by_slopes) < promise(models, by_models) ? by_slopes : by_models;
-    }
-
-    /// What is known exactly has its value and slope at the centre.
-    void align(const LocalModels& models) {
-        region_.offset.setZero();
-        region_.tilt.setZero(region_.offset.size(), points_.dimensions());
-        for (const Eigen::Index i : known_.rows()) {
-            const GaussianProcess& model = models[i + 1];
-            region_.offset[i] = known_here_->constraints[i] - model.mean(region_.centre);
-            const VectorXd slope = points_.gradient_by_z(known_here_->jacobian.row(i));
-            region_.tilt.row(i) = (slope - model.gradient(region_.centre)).transpose();
-        }
-    }
-
-    /// The least of the models, whose offsets are corrected until it meets what is known exactly.
-    VectorXd corrected(const LocalModels& models, double deviations, const VectorXd& from) {
-        VectorXd z = model_minimum(program(), points_, models, region_, deviations, from);
-        for (int round = 0; round < exact_rounds && !known_.rows().empty(); ++round) {
-            const VectorXd x = guard_.inside(points_.variables(z)), there = points_.whitened(x);
-            if (guard_.cause != StopCause::none) break;
-            const auto found = known_.at(x, false);
-            if (!found) break;
-            double missed = 0;
-            for (const Eigen::Index i : known_.rows()) {
-                const double c = found->constraints[i];
-                const double expected = models[i + 1].mean(there) + region_.correction(i, there);
-                // What the models hold back from a limit that is farther is missed, too.
-                const bool has_room = i < program().num_inequalities && c < 0 &&
-                                      (guard_.options.learns_as_before || expected + region_.margin[i] < -held_limit);
-                missed = std::max(missed, has_room ? 0.0 : std::abs(c));
-                region_.offset[i] += c - expected;
-            }
-            if (missed <= 0.5 * guard_.options.constraint_tolerance) break;
-            z = model_minimum(program(), points_, models, region_, deviations, z);
-        }
-        return z;
-    }
-
-    /// The design next to x that meets what is known exactly, where it would be evaluated; x where that leads out of
-    /// the region, beyond the border of failures, or farther from the limits.
-    VectorXd projected(const VectorXd& asked) {
-        const VectorXd there = guard_.inside(asked);
-        VectorXd x = there;
-        // The motion limit moves what limits have moved: by turns, while they come nearer.
-        for (int round = 0; round < projections && missed(x) > 0.5 * guard_.options.constraint_tolerance; ++round) {
-            const auto found = known_.at(x, true);
-            if (!found) break;
-            const VectorXd next = guard_.inside(known_.nearest(x, *found));
-            if (guard_.cause != StopCause::none || missed(next) >= known_.violation(*found)) break;
-            x = next;
-        }
-        const double length = (points_.whitened(x) - region_.centre).norm();
-        return length > beyond_region * region_.radius || is_beyond_border(x) ? there : x;
-    }
-    /// By exact limits.
-    double missed(const VectorXd& x) const {
-        const auto found = known_.at(x, false);
-        return found ? known_.violation(*found) : std::numeric_limits<double>::infinity();
-    }
-
-    /// What is expected there: of limits that are known exactly, what they are.
-    double promise(const LocalModels& models, const VectorXd& x) const {
-        VectorXd values = expected(models, x);
-        for (Eigen::Index i = 0; i < region_.margin.size(); ++i)
-            if (!known_.has(i)) values[i + 1] += region_.margin[i];
-        return merit(values);
-    }
-    VectorXd expected(const LocalModels& models, const VectorXd& x) const {
-        VectorXd values = models.means(points_.whitened(x));
-        if (guard_.options.limits_by_models) return values;
-        if (const auto found = known_.at(x, false))
-            for (const Eigen::Index i : known_.rows()) values[i + 1] = found->constraints[i];
-        return values;
-    }
-
     /// Nothing comes after this batch to go back from a constraint that is missed by a little: one point after another
     /// keeps farther from what only models tell.
     void keep_distance(const std::vector<Proposal>& batch) {
         if (batch.empty()) return;
         for (Eigen::Index i = 0; i < program().num_inequalities; ++i) {
-            if (known_.has(i)) continue;
+            if (known().has(i)) continue;
             const double deviation = std::sqrt((*models_)[i + 1].variance(batch[0].z));
             region_.margin[i] += std::max(deviation, guard_.options.constraint_tolerance);
         }
@@ -421,13 +330,13 @@ private:
 
     /// Where it is evaluated, unless that is known.
     void add(std::vector<Proposal>& batch, const VectorXd& asked, double radius) {
-        const VectorXd x = guard_.inside(asked);
+        const VectorXd x = allowed_.has_turns() ? guard_.inside(asked) : allowed_.with_shape(asked).x;
         if (guard_.cause != StopCause::none) return;
         Proposal p{x, points_.whitened(x), radius, {}};
         const double least = min_distance * radius_;
         if (points_.knows(p.z, least)) return;
         if (std::ranges::any_of(batch, [&](const Proposal& q) { return (q.z - p.z).norm() <= least; })) return;
-        if (models_) p.expected = expected(*models_, x);
+        if (models_) p.expected = minimum_.expected(*models_, x);
         batch.push_back(std::move(p));
     }
 
@@ -514,7 +423,7 @@ private:
     void learn_margin(const Proposal& p, const Evaluation& at) {
         if (p.radius > radius_) return;
         for (int i = 0; i < program().num_inequalities; ++i) {
-            if (known_.has(i) && !guard_.options.limits_by_models) continue;
+            if (known().has(i) && !guard_.options.limits_by_models) continue;
             const double error = std::max(0.0, at.constraints[i] - p.expected[i + 1]);
             const double near = std::abs(p.expected[i + 1]) < 2 * error ? error : 0;
             region_.margin[i] = 0.7 * region_.margin[i] + 0.15 * near;
@@ -547,9 +456,9 @@ private:
     SampledPoints points_;
     double radius_;  ///< in z
     ProposalRegion region_;
-    KnownConstraints known_;
-    std::optional<KnownConstraints::Found> known_here_;  ///< where the search stands
-    VectorXd allowed_;                                   ///< z next to that, within exact limits
+    AllowedDesigns allowed_;  ///< from where the search stands
+    VectorXd nearest_;        ///< z next to that, within exact limits
+    AllowedMinimum minimum_;
     MatrixXd directions_;
     Eigen::Index used_directions_ = 0;
     std::unique_ptr<LocalModels> models_;

@@ -7,6 +7,7 @@
 
 #include <gtest/gtest.h>
 #include <Eigen/QR>
+#include <limits>
 
 /// Runs by method model: levels, the motion limit, and when `method: auto` chooses it.
 namespace strake {
@@ -72,6 +73,47 @@ TEST(ModelRun, KeepsToTheMotionLimitAndTheConstraint) {
     EXPECT_TRUE(told.is_within) << "a proposal was refused";
     EXPECT_LE(told.result.max_violation, problem.optimize.constraint_tolerance);
     EXPECT_GT(told.result.objective, told.result.objective_start);
+}
+
+/// What limits the area is known exactly, and where it and the motion limit meet the search goes on along both.
+TEST(ModelRun, MeetsExactLimitsAndTheMotionLimitTogether) {
+    const auto with_turns = [](bool has_turns) {
+        Problem problem = ellipsoid_problem(2, 2);
+        problem.parameters.kinds = {VariableKind::load};
+        maximize_volume(problem, 1.02);
+        problem = with_fields(problem);
+        problem.quantities[0].has_sensitivities = false;
+        problem.quantities[0].program = "a solver";
+        problem.parameters.max_displacement = 0.01;
+        problem.optimize.method = Method::model;
+        problem.optimize.max_evaluations = 40;
+        problem.optimize.limits_by_turns = has_turns;
+        return problem;
+    };
+    const Told together = run(with_turns(false)), by_turns = run(with_turns(true));
+    EXPECT_GT(together.largest_displacement, 0.9) << "else the limit says nothing";
+    EXPECT_LE(together.largest_displacement, 1 + 1e-9);
+    EXPECT_LE(together.result.max_violation, 1e-6);
+    const auto gain = [](const Told& told) { return told.result.objective - told.result.objective_start; };
+    EXPECT_GT(gain(together), 1.05 * gain(by_turns)) << gain(together) << " " << gain(by_turns);
+}
+
+/// Steps that are far too long for the shell: a run of before tries designs without a shape.
+TEST(ModelRun, ProposesDesignsThatHaveAShape) {
+    const auto failed = [](bool has_turns) {
+        Problem problem = values_only(40, 2, VariableKind::load);
+        problem.parameters.max_displacement = std::numeric_limits<double>::infinity();
+        problem.parameters.variable_scale = 0.6;
+        problem.optimize.limits_by_turns = has_turns;
+        RunEvents events;
+        int count = 0;
+        events.evaluation = [&](const EvaluationRecord& record) { count += !record.reason.empty(); };
+        optimize(problem, events);
+        return count;
+    };
+    const int before = failed(true);
+    EXPECT_GT(before, 4) << "else this shows nothing";
+    EXPECT_LT(failed(false), before / 2) << before;
 }
 
 /// A level that is split inherits its shape exactly, and so every design of before is one of the new level.

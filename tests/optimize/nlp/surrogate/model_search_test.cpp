@@ -380,6 +380,50 @@ TEST(ModelSearch, FromBeyondKnownLimitsTheSearchGetsWithinAndGoesOn) {
     EXPECT_LT(r.best.objective, 1.02 * exact.best.objective) << exact.best.objective << ": " << r.reason;
 }
 
+/// The optimum lies where a limit of motion and one that is known exactly meet.
+TEST(ModelSearch, TheLimitOfMotionAndExactLimitsAreMetTogether) {
+    NonlinearProgram p = long_bowl(6);
+    p.num_inequalities = 1;
+    const auto limited = [](Evaluation at, const VectorXd& x) {
+        at.constraints = vec({0.4 * x[1] + 0.3 * x[0] + 0.2 * x.squaredNorm() - 0.2});
+        return at;
+    };
+    p.evaluate = [=, inner = long_bowl(6).evaluate](const VectorXd& x) { return limited(inner(x), x); };
+    NonlinearProgram cheap = p;
+    cheap.evaluate = [=](const VectorXd& x) {
+        Evaluation none;
+        none.objective = 0;
+        return limited(none, x);
+    };
+    cheap.differentiate = [](const VectorXd& x, Evaluation& at) {
+        at.gradient = VectorXd::Zero(6);
+        at.jacobian = (0.3 * VectorXd::Unit(6, 0) + 0.4 * VectorXd::Unit(6, 1) + 0.4 * x).transpose();
+    };
+    p.low_fidelity = LowFidelity{
+        std::make_shared<const NonlinearProgram>(cheap), {LowFidelityValue::none, LowFidelityValue::same}, nullptr};
+    const VectorXd normal = VectorXd::Unit(6, 0) + 0.3 * VectorXd::Ones(6);
+    const auto beyond = [=](const VectorXd& x) { return normal.dot(x) - 0.4; };
+    p.within = [=](const VectorXd& x) -> VectorXd {
+        return beyond(x) > 1e-9 ? VectorXd(x - (beyond(x) + 1e-9) / normal.squaredNorm() * normal) : x;
+    };
+    p.beyond = [=](const VectorXd& from, const VectorXd& to) {
+        StepLimits limits;
+        if (beyond(to) <= 1e-9) return limits;
+        limits.values = vec({beyond(from)});
+        limits.slopes = normal.transpose();
+        return limits;
+    };
+    MinimizeOptions together = few(50), by_turns = few(50), by_gradients = few(3000);
+    by_turns.limits_by_turns = true;
+    by_gradients.method = Method::sqp;
+    const double exact = minimize(p, by_gradients).best.objective, start = p.evaluate(p.start).objective;
+    const MinimizeResult r = minimize(p, together), before = minimize(p, by_turns);
+    EXPECT_TRUE(r.is_feasible) << r.reason;
+    EXPECT_GT(start - r.best.objective, 0.99 * (start - exact)) << exact << " " << start << " " << r.best.objective;
+    EXPECT_GT(r.best.objective, exact - 1e-6) << "nothing beyond a limit";
+    EXPECT_LT(r.best.objective, before.best.objective) << "else this shows nothing";
+}
+
 /// The last batch keeps its distance from an inequality that only a model tells.
 TEST(ModelSearch, TheLastBatchMeetsAConstraintThatModelsTell) {
     for (const int evaluations : {17, 25, 33}) {

@@ -48,13 +48,13 @@ inline NonlinearProgram program_of(const Eigen::VectorXd& start, const Eigen::Ve
 }
 
 inline KnownProgram bowl() {
-    const Eigen::VectorXd at = vec({0.4, -0.3, 0.2}), weight = vec({1, 10, 50});
+    static const Eigen::VectorXd at = vec({0.4, -0.3, 0.2}), weight = vec({1, 10, 50});
     return {
         "bowl",
         program_of(
             vec({-0.5, 0.8, -0.9}), Eigen::VectorXd::Constant(3, -1), Eigen::VectorXd::Constant(3, 1), 0, 0,
-            [=](const Eigen::VectorXd& x) { return vec({1 + (x - at).cwiseAbs2().dot(weight)}); },
-            [=](const Eigen::VectorXd& x) { return Eigen::MatrixXd(2 * (x - at).cwiseProduct(weight).transpose()); }),
+            [](const Eigen::VectorXd& x) { return vec({1 + (x - at).cwiseAbs2().dot(weight)}); },
+            [](const Eigen::VectorXd& x) { return Eigen::MatrixXd(2 * (x - at).cwiseProduct(weight).transpose()); }),
         at, 1};
 }
 

@@ -16,10 +16,11 @@ constexpr int max_cuts = 8;
 
 }  // namespace
 
-void AllowedDesigns::look_from(const VectorXd& x) {
-    if (here_ && from_ == x) return;
+bool AllowedDesigns::look_from(const VectorXd& x) {
+    if (here_ && from_ == x) return false;
     from_ = x;
     here_ = known_.at(x, true);
+    return true;
 }
 
 double AllowedDesigns::missed(const VectorXd& x) const {

@@ -12,8 +12,9 @@ public:
     explicit AllowedDesigns(Guard& guard) : guard_(guard), known_(guard) {}
 
     const KnownConstraints& known() const { return known_; }
-    /// What is known at the point that one looks from: a design that has been evaluated.
-    void look_from(const Eigen::VectorXd& x);
+    /// Looks from x, a design that has been evaluated. False: what is known there was known already.
+    bool look_from(const Eigen::VectorXd& x);
+    /// What is known there.
     const std::optional<KnownConstraints::Found>& here() const { return here_; }
     bool knows_slopes() const { return here_ && here_->has_slopes(); }
     /// The meaning of earlier runs: limits are met by turns, and shapes are not looked for.
@@ -28,8 +29,8 @@ public:
     /// Where x is evaluated (`Guard::inside`); where that is not defined, a shorter way there, down to a sixtieth.
     Shape with_shape(const Eigen::VectorXd& x);
     /// A design next to x, in the metric, that is allowed, where it is evaluated: from x by the slopes of both kinds of
-    /// limits, so that they are met together, then from what is found (Newton's method), until the
-    /// constraints are met. The one of least violation where that ends.
+    /// limits, so that they are met together, then from what is found (Newton's method), until the constraints are met.
+    /// The one of least violation where that ends.
     Eigen::VectorXd nearest(const Eigen::VectorXd& x);
     /// The same as earlier runs did it: what the constraints have moved the limit of motion moves again, by turns.
     Eigen::VectorXd nearest_by_turns(const Eigen::VectorXd& x);

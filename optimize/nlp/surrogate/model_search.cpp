@@ -184,8 +184,7 @@ private:
     /// What exact limits are where the search stands.
     void look_at_limits() {
         if (guard_.options.limits_by_models) return;
-        if (known_here() && known_here()->x == centre().x) return;
-        allowed_.look_from(centre().x);
+        if (!allowed_.look_from(centre().x)) return;
         nearest_ = knows_slopes() ? points_.whitened(known().nearest(centre().x, *known_here())) : centre().z;
     }
     const std::optional<KnownConstraints::Found>& known_here() const { return allowed_.here(); }

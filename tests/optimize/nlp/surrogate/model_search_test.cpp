@@ -46,6 +46,37 @@ NonlinearProgram long_bowl(int n) {
     return p;
 }
 
+/// A bowl under one inequality, which its cheap program tells with its slope.
+NonlinearProgram bowl_under(const std::function<double(const VectorXd&)>& limit,
+                            const std::function<VectorXd(const VectorXd&)>& slope) {
+    NonlinearProgram p = long_bowl(6);
+    p.num_inequalities = 1;
+    const auto limited = [=](Evaluation at, const VectorXd& x) {
+        at.constraints = vec({limit(x)});
+        return at;
+    };
+    p.evaluate = [=, inner = p.evaluate](const VectorXd& x) { return limited(inner(x), x); };
+    NonlinearProgram cheap = p;
+    cheap.evaluate = [=](const VectorXd& x) {
+        Evaluation none;
+        none.objective = 0;
+        return limited(none, x);
+    };
+    cheap.differentiate = [=](const VectorXd& x, Evaluation& at) {
+        at.gradient = VectorXd::Zero(6);
+        at.jacobian = slope(x).transpose();
+    };
+    p.low_fidelity = LowFidelity{
+        std::make_shared<const NonlinearProgram>(cheap), {LowFidelityValue::none, LowFidelityValue::same}, nullptr};
+    return p;
+}
+
+MinimizeOptions by_gradients() {
+    MinimizeOptions how = few(3000);
+    how.method = Method::sqp;
+    return how;
+}
+
 }  // namespace
 
 TEST(ModelSearch, FindsKnownOptimaInFewEvaluations) {
@@ -352,55 +383,19 @@ TEST(ModelSearch, VariablesThatStandForThemselvesAreTriedAloneFirst) {
 
 /// The start is beyond a limit that is known exactly: what its model errs by says nothing, and the way to it is no end.
 TEST(ModelSearch, FromBeyondKnownLimitsTheSearchGetsWithinAndGoesOn) {
-    NonlinearProgram p = long_bowl(6);
-    p.num_inequalities = 1;
-    const auto limited = [](Evaluation at, const VectorXd& x) {
-        at.constraints = vec({0.3 + 0.4 * x[0] + 0.1 * x.squaredNorm()});
-        return at;
-    };
-    p.evaluate = [=, inner = long_bowl(6).evaluate](const VectorXd& x) { return limited(inner(x), x); };
-    NonlinearProgram cheap = p;
-    cheap.evaluate = [=](const VectorXd& x) {
-        Evaluation none;
-        none.objective = 0;
-        return limited(none, x);
-    };
-    cheap.differentiate = [](const VectorXd& x, Evaluation& at) {
-        at.gradient = VectorXd::Zero(6);
-        at.jacobian = (0.4 * VectorXd::Unit(6, 0) + 0.2 * x).transpose();
-    };
-    p.low_fidelity = LowFidelity{
-        std::make_shared<const NonlinearProgram>(cheap), {LowFidelityValue::none, LowFidelityValue::same}, nullptr};
-    const MinimizeResult r = minimize(p, few(60)), exact = minimize(p, [] {
-                                                       MinimizeOptions how = few(3000);
-                                                       how.method = Method::sqp;
-                                                       return how;
-                                                   }());
+    const NonlinearProgram p =
+        bowl_under([](const VectorXd& x) { return 0.3 + 0.4 * x[0] + 0.1 * x.squaredNorm(); },
+                   [](const VectorXd& x) { return VectorXd(0.4 * VectorXd::Unit(6, 0) + 0.2 * x); });
+    const MinimizeResult r = minimize(p, few(60)), exact = minimize(p, by_gradients());
     EXPECT_TRUE(r.is_feasible) << r.reason;
     EXPECT_LT(r.best.objective, 1.02 * exact.best.objective) << exact.best.objective << ": " << r.reason;
 }
 
 /// The optimum lies where a limit of motion and one that is known exactly meet.
 TEST(ModelSearch, TheLimitOfMotionAndExactLimitsAreMetTogether) {
-    NonlinearProgram p = long_bowl(6);
-    p.num_inequalities = 1;
-    const auto limited = [](Evaluation at, const VectorXd& x) {
-        at.constraints = vec({0.4 * x[1] + 0.3 * x[0] + 0.2 * x.squaredNorm() - 0.2});
-        return at;
-    };
-    p.evaluate = [=, inner = long_bowl(6).evaluate](const VectorXd& x) { return limited(inner(x), x); };
-    NonlinearProgram cheap = p;
-    cheap.evaluate = [=](const VectorXd& x) {
-        Evaluation none;
-        none.objective = 0;
-        return limited(none, x);
-    };
-    cheap.differentiate = [](const VectorXd& x, Evaluation& at) {
-        at.gradient = VectorXd::Zero(6);
-        at.jacobian = (0.3 * VectorXd::Unit(6, 0) + 0.4 * VectorXd::Unit(6, 1) + 0.4 * x).transpose();
-    };
-    p.low_fidelity = LowFidelity{
-        std::make_shared<const NonlinearProgram>(cheap), {LowFidelityValue::none, LowFidelityValue::same}, nullptr};
+    NonlinearProgram p = bowl_under(
+        [](const VectorXd& x) { return 0.4 * x[1] + 0.3 * x[0] + 0.2 * x.squaredNorm() - 0.2; },
+        [](const VectorXd& x) { return VectorXd(0.3 * VectorXd::Unit(6, 0) + 0.4 * VectorXd::Unit(6, 1) + 0.4 * x); });
     const VectorXd normal = VectorXd::Unit(6, 0) + 0.3 * VectorXd::Ones(6);
     const auto beyond = [=](const VectorXd& x) { return normal.dot(x) - 0.4; };
     p.within = [=](const VectorXd& x) -> VectorXd {
@@ -413,10 +408,9 @@ TEST(ModelSearch, TheLimitOfMotionAndExactLimitsAreMetTogether) {
         limits.slopes = normal.transpose();
         return limits;
     };
-    MinimizeOptions together = few(50), by_turns = few(50), by_gradients = few(3000);
+    MinimizeOptions together = few(50), by_turns = few(50);
     by_turns.limits_by_turns = true;
-    by_gradients.method = Method::sqp;
-    const double exact = minimize(p, by_gradients).best.objective, start = p.evaluate(p.start).objective;
+    const double exact = minimize(p, by_gradients()).best.objective, start = p.evaluate(p.start).objective;
     const MinimizeResult r = minimize(p, together), before = minimize(p, by_turns);
     EXPECT_TRUE(r.is_feasible) << r.reason;
     EXPECT_GT(start - r.best.objective, 0.99 * (start - exact)) << exact << " " << start << " " << r.best.objective;

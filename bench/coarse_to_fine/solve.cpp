@@ -56,7 +56,7 @@ void run_strake(const EvidenceProblem& evidence, Solver solver, Method method, i
     Solve& result = tracer.solve;
     const bool has_fields = solver == Solver::fields || solver == Solver::as_it_comes;
     Problem problem = has_fields ? with_automatic_fields(evidence).problem : evidence.problem;
-    if (solver == Solver::as_it_comes) problem.parameters.kinds = Parameters{}.kinds;
+    if (solver == Solver::as_it_comes) problem.parameters.kinds = {VariableKind::normal_load};
     if (solver == Solver::finest) problem.tree = finest_only(problem.tree);
     const bool chooses = solver == Solver::adaptive || solver == Solver::fields;
     if (chooses) problem.parameters.split = SplitRule::sensitivity;

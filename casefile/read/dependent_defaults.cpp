@@ -150,7 +150,8 @@ bool has_cheap_model(Value& root) {
 }
 
 /// Nor does a run by values alone that says nothing of its variables nor of its method, and that models search: few
-/// evaluations are best spent on smooth motions of the whole. One that holds nothing is held by a point.
+/// evaluations are best spent on smooth motions of the whole, and those along the surface are fields' work: patches
+/// move by what changes the shape. One that holds nothing is held by a point.
 void set_defaults_by_values(Value& root) {
     if (root.form != Value::Form::map || child(root, "fit")) return;
     const std::vector<std::string> blind = quantities_without_gradients(root);
@@ -163,13 +164,30 @@ void set_defaults_by_values(Value& root) {
             if (child(*optimize, stated)) return;
         if (is_more_than(child(*optimize, "budget"), max_evaluations_by_models)) return;
     }
-    if (set_automatic_fields(root) && holds_nothing(root)) add_default(root, "hold", "point");
+    if (!set_automatic_fields(root)) return;
+    Value& parameters = *parameters_of(root);
+    if (!child(parameters, "directions")) add_default(parameters, "variables", "[normal]");  // which are those of loads
+    if (holds_nothing(root)) add_default(root, "hold", "point");
 }
 
 const Value* fields_of(Value& root) {
     Value* parameters = root.form == Value::Form::map ? child(root, "parameters") : nullptr;
     const Value* fields = parameters && parameters->form == Value::Form::map ? child(*parameters, "fields") : nullptr;
     return fields && fields->form == Value::Form::scalar ? fields : nullptr;
+}
+
+/// Unless the case says anything of its variables, it has the fields of a run, and of its patches the kind that a case
+/// has by default; releases and budgets differ in it. Other kinds were stated.
+/// @param there the case of the run @return whether it has them by this
+bool set_variables_of(Value& root, Value& there) {
+    const Value* fields = fields_of(there);
+    if (!fields || !set_automatic_fields(root, fields->text)) return false;
+    const Value* kinds = child(*child(there, "parameters"), "variables");
+    Value& parameters = *parameters_of(root);
+    const bool are_normal = kinds && kinds->form == Value::Form::list && kinds->entries.size() == 1 &&
+                            is_scalar(&kinds->entries[0].value, "normal");
+    if (are_normal && !child(parameters, "directions")) add_default(parameters, "variables", "[normal]");
+    return true;
 }
 
 /// A run that begins at a design of displacement fields has them, too, if it says nothing of its variables: without
@@ -184,7 +202,7 @@ void set_fields_of_start(Value& root, const std::filesystem::path& dir) {
     try {
         Value there = parse_yaml(read_case_file(file.string()), file.string());
         const Value* fields = fields_of(there);
-        if (fields && fields->text != "none") set_automatic_fields(root, fields->text);
+        if (fields && fields->text != "none") set_variables_of(root, there);
     } catch (const CaseError&) {
     }
 }
@@ -201,10 +219,9 @@ void set_dependent_defaults(Value& root, const std::filesystem::path& dir, bool 
 
 void set_fields_of_run(Value& root, const std::string& begun) {
     Value there = parse_yaml(begun, "case.yaml");
-    const Value* fields = fields_of(there);
     const Value* hold = there.form == Value::Form::map ? child(there, "hold") : nullptr;
-    if (fields && set_automatic_fields(root, fields->text) && is_scalar(hold, "point") && holds_nothing(root))
-        add_default(root, "hold", "point");
+    if (!set_variables_of(root, there)) return;
+    if (is_scalar(hold, "point") && holds_nothing(root)) add_default(root, "hold", "point");
 }
 
 }  // namespace strake

@@ -43,7 +43,8 @@ std::vector<Key> kind_keys() {
          .type = Type::list,
          .doc = "Design variables of each patch: load (traction vector), normal (traction along the normals), strain "
                 "(rigid motion of the patch core), strain_rotation or strain_translation (half of it), stiffness "
-                "(logarithm of the thickness). []: no shape variables, for cases with only `given` or `variables`.",
+                "(logarithm of the thickness). []: no shape variables, for cases with only `given` or `variables`. "
+                "Where fields come by default to a run by values alone: [normal], unless directions are stated.",
          .fallback = "[load]",
          .words = {"load", "normal", "strain", "strain_rotation", "strain_translation", "stiffness"},
          .element = Type::word,

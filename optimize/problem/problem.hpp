@@ -187,6 +187,10 @@ struct OptimizeOptions {
     /// The meaning of earlier runs: `method: auto` is `sqp` in all long runs by values alone, and searches by models
     /// begin in random directions: none `is_long_with_fields` (optimize/run/method_choice.hpp).
     bool long_runs_by_differences = false;
+    /// The meaning of earlier runs: long ones that begin in order by models do not set
+    /// `MinimizeOptions::begins_with_few`, fields alone have two evaluations for each variable there, not one and a
+    /// half, and fields are searched on all levels.
+    bool begins_slowly = false;
     double step_tolerance = 1e-6;        ///< or below this change of the scaled variables
     double constraint_tolerance = 1e-6;  ///< of the scaled constraint, for "feasible"
     bool finite_differences = false;  ///< gradients of values without sensitivities by differences in the scaled basis

@@ -9,7 +9,8 @@
 namespace strake {
 namespace {
 
-constexpr int points_of_a_variable = 2;
+constexpr double points_of_a_variable = 2;
+constexpr double points_of_first_fields = 1.5;  ///< in long runs: what a few fields do not find waits on the next level
 constexpr int min_points_of_a_variable = 3;     ///< of this level and those below it together
 constexpr int batches_of_a_level = 3;           ///< at least: the first only looks around
 constexpr int max_variables_with_patches = 60;  ///< whose metric says less of the objective's curvature
@@ -31,9 +32,17 @@ int LevelBudget::by_models() const {
     const int shared = by_differences(), left = state_.evaluations_left();
     if (state_.problem.optimize.learns_as_before || shared == left) return shared;
     const int terms = static_cast<int>(state_.space.size()) + 1;
-    if (left < min_points_of_a_variable * terms) return left;
+    if (!can_learn(static_cast<int>(state_.space.size()))) return left;
     const int batches = 1 + batches_of_a_level * state_.problem.optimize.batch;
-    return std::clamp(std::max(points_of_a_variable * terms, batches), 1, std::max(1, left / 2));
+    const bool are_fields_alone = !state_.space.has_patches && state_.space.num_shape() == state_.space.size();
+    const bool is_quick = are_fields_alone && !state_.problem.optimize.begins_slowly &&
+                          is_long_with_fields(state_.problem, state_.limits().evaluations);
+    const double wanted = (is_quick ? points_of_first_fields : points_of_a_variable) * terms;
+    return std::clamp(std::max(static_cast<int>(wanted), batches), 1, std::max(1, left / 2));
+}
+
+bool LevelBudget::can_learn(int variables) const {
+    return state_.evaluations_left() >= min_points_of_a_variable * (variables + 1);
 }
 
 bool LevelBudget::begins_by_models() const {

@@ -168,13 +168,14 @@ TEST_F(Step, ALargerBudgetKeepsTheVariablesThatTheRunBeganWith) {
         yaml.replace(yaml.find(variables), variables.size(), fields);
         return folder.write("case.yaml", yaml).string();
     };
-    for (const std::string began : {"", ", fields: none"}) {
+    for (const std::string began : {"", ", fields: auto, variables: [load]", ", fields: none"}) {
         fs::remove_all(folder / "stepped");
         ASSERT_EQ(step(with(10, began)).status, 0);
         const ProgramRun again = step(with(began.empty() ? 1100 : 100, ""));  // whose defaults are none and auto
         EXPECT_EQ(again.status, 0) << again.err;
         const std::string yaml = bytes_of(folder / "stepped/case.yaml");
-        EXPECT_EQ(yaml.find("fields: auto") != std::string::npos, began.empty()) << yaml;
+        EXPECT_EQ(yaml.find("fields: auto") != std::string::npos, began != ", fields: none") << yaml;
+        EXPECT_EQ(yaml.find("variables: [normal]") != std::string::npos, began.empty()) << yaml;
     }
     EXPECT_EQ(step(with(1100, ", fields: auto")).status, 2) << "stated: another case";
 }

@@ -51,6 +51,9 @@ struct MinimizeOptions {
     /// directions in which all take part: where the first ones are the coarsest and an objective most often wants
     /// those.
     bool tries_in_order = false;
+    /// model: of a first batch that is no larger than the number of variables only half is asked, twice as far away: it
+    /// knows the start alone, and the sooner models choose, the better, where the first directions are most of it all.
+    bool begins_with_few = false;
     /// model: variables, each named once, that are changed alone at first (but for what the metric couples), as many as
     /// half a batch: those of which one knows that objective and constraints depend on them strongly and in ways of
     /// their own, as on an angle of attack. Not where it tries in order, nor where designs are known already.

@@ -24,6 +24,7 @@ constexpr double exploiting_shares[] = {0.125, 0.25, 0.375};
 constexpr double exploiting_radii[] = {1, 2, 0.5, 1.4, 0.7, 2.8, 0.35, 4};
 constexpr double exploring_radius = 0.5;  ///< of the others, in radii: nearer points say more of the slopes
 constexpr double first_length = 0.3;      ///< of the first batch, in radii
+constexpr double few_first_length = 0.6;  ///< the same where it `begins_with_few`
 constexpr double confidence = 2;          ///< standard deviations of the lower confidence bound
 constexpr double max_radius = 4;          ///< times the first
 constexpr double min_radius = 1e-4;       ///< times the first: below it no model helps
@@ -249,10 +250,12 @@ private:
 
     /// Nothing is known but the start: points around it.
     std::vector<Proposal> first_batch() {
+        const bool is_few = guard_.options.begins_with_few && places() <= points_.dimensions();
+        const int designs = is_few ? (places() + 1) / 2 : places();
         std::vector<Proposal> batch;
-        for (int k = 0; k < places(); ++k) {
+        for (int k = 0; k < designs; ++k) {
             const auto round = static_cast<int>(k / points_.dimensions());  // to both sides, then farther
-            const double length = (1 + round / 2) * first_length * radius_;
+            const double length = (1 + round / 2) * (is_few ? few_first_length : first_length) * radius_;
             const std::size_t before = batch.size();
             add(batch, along(round % 2 == 0 ? length : -length), length);
             // What went the other way is there already.

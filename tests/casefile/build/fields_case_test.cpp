@@ -116,6 +116,31 @@ TEST_F(FieldsOfACase, AreTheDefaultByValuesAlone) {
     EXPECT_FALSE(load_case(yaml, Purpose::run, yaml.parent_path()).parameters.fields.is_wanted);
 }
 
+/// Fields move along the surface; patches then need not.
+TEST_F(FieldsOfACase, NormalLoadsFollowThemByValuesAlone) {
+    surface(box_surface({4, 1, 0.5}, 8));
+    const std::string held = "regions:\n  root: {box: [[-9, -9, -9], [0.5, 9, 9]]}\nfixed: [root]\n",
+                      flow =
+                          "quantities: {flow: {command: [cat], outputs: [drag], gradients: false}}\n"
+                          "objective: {minimize: flow.drag}\n";
+    const auto kinds = [&](const std::string& words) { return build(held + words).problem.parameters.kinds; };
+    const std::vector<VariableKind> normal{VariableKind::normal_load}, load{VariableKind::load};
+    EXPECT_EQ(kinds(flow), normal);
+    EXPECT_EQ(kinds(flow + "parameters: {max_displacement: 2%}\n"), normal);
+    EXPECT_EQ(kinds(flow + "parameters: {directions: [[0, 0, 1]]}\n"), load) << "which are those of loads";
+    EXPECT_EQ(kinds(flow + "parameters: {fields: auto}\n"), load) << "fields are stated";
+    EXPECT_EQ(kinds(flow + "parameters: {variables: [load]}\n"), load);
+    EXPECT_EQ(kinds(flow + "optimize: {budget: {evaluations: 1001}}\n"), load) << "no fields";
+    EXPECT_EQ(kinds("objective: {minimize: area}\n"), load) << "with gradients";
+    const std::string words = "surface: {file: s.obj, units: m}\n" + held + flow;
+    const auto begun = [&](const std::string& variables) {
+        const std::string before = words + "parameters: {fields: auto" + variables + "}\n";
+        return load_case(folder.write("case.yaml", words), Purpose::run, {}, before).parameters.variables;
+    };
+    EXPECT_EQ(begun(", variables: [load]"), load) << "a run goes on as it began";
+    EXPECT_EQ(begun(", variables: [normal]"), normal);
+}
+
 /// What begins at a design of fields has them.
 TEST_F(FieldsOfACase, AreThoseOfTheStart) {
     const auto begun = [&](const std::string& there, const std::string& more = "") {
@@ -132,6 +157,9 @@ TEST_F(FieldsOfACase, AreThoseOfTheStart) {
     surface(box_surface({4, 1, 0.5}, 8));
     EXPECT_EQ(begun("parameters: {fields: 33}\n").fields.number, 33);
     EXPECT_TRUE(begun("parameters: {fields: auto, variables: [load]}\n").fields.is_wanted);
+    EXPECT_EQ(begun("parameters: {fields: auto, variables: [load]}\n").variables.at(0), VariableKind::load);
+    EXPECT_EQ(begun("parameters: {fields: auto, variables: [normal]}\n").variables.at(0), VariableKind::normal_load);
+    EXPECT_EQ(begun("parameters: {fields: none, variables: [normal]}\n").variables.at(0), VariableKind::load);
     EXPECT_FALSE(begun("parameters: {fields: auto}\n", "parameters: {fields: none}\n").fields.is_wanted);
     EXPECT_FALSE(begun("parameters: {fields: auto}\n", "parameters: {variables: [normal]}\n").fields.is_wanted);
     for (const char* none : {"parameters: {fields: none}\n", "parameters: {}\n", "- 1\n", "a: [\n", ""})

@@ -207,6 +207,64 @@ TEST(ModelRun, ALongRunTriesOneFieldAfterAnother) {
         EXPECT_EQ(mixed, (std::vector<long>{6, 6, 6, 6}));
 }
 
+/// Three evaluations for two variables; more in a run of before, and where there are few.
+TEST(ModelRun, ALongRunLeavesFieldsAloneSooner) {
+    const int variables = 6, enough = static_cast<int>(min_gradients) * (variables + 1);
+    const auto spent = [](int budget, bool as_before) {
+        Problem problem = with_fields(values_only(budget));
+        problem.optimize.batch = 1;
+        problem.optimize.begins_slowly = as_before;
+        return run(problem).result.levels.at(0).evaluations;
+    };
+    const int few = 3 * (variables + 1) / 2;
+    EXPECT_EQ(spent(enough, false), few);
+    EXPECT_GT(spent(enough, true), few);
+    EXPECT_GT(spent(enough - 1, false), few);
+}
+
+TEST(ModelRun, ALongRunBeginsWithHalfABatch) {
+    const int enough = static_cast<int>(min_gradients) * (6 + 1);
+    const auto moved_alone = [](int budget, bool as_before) {  // designs after the start that move one field
+        Problem problem = with_fields(values_only(budget));
+        problem.optimize.batch = 6;
+        problem.optimize.begins_slowly = as_before;
+        Eigen::MatrixXd fields(problem.surface.vertices.size(), 6);
+        for (int j = 0; j < 6; ++j) fields.col(j) = problem.parameters.fields->field(j).reshaped();
+        int designs = 0, alone = 0;
+        problem.quantities[0].evaluate = [&, inner = problem.quantities[0].evaluate](const QuantityRequest& request) {
+            const VectorXd way = (request.surface.vertices - problem.surface.vertices).reshaped();
+            const VectorXd x = fields.householderQr().solve(way);
+            if (++designs <= 7) alone += (x.array().abs() > 1e-9).count() == 1;
+            return inner(request);
+        };
+        optimize(problem);
+        return alone;
+    };
+    EXPECT_EQ(moved_alone(enough, false), 3);
+    EXPECT_EQ(moved_alone(enough, true), 6);
+}
+
+/// The finest level of the tree has no finer fields: where not all can be learned its patches alone are searched, from
+/// the shape that fields made.
+TEST(ModelRun, FieldsRestWhereALongRunHasNoFinerOnes) {
+    for (const auto& [budget, as_before] : {std::pair{80, false}, {80, true}, {300, false}}) {
+        Problem problem = with_fields(values_only(budget));
+        problem.optimize.batch = 4;
+        problem.optimize.begins_slowly = as_before;
+        std::vector<long> fields;  // variables of each level
+        RunEvents events;
+        events.level = [&](const LevelStart& level) {
+            fields.push_back(std::ranges::count(level.space.variables, VariableKind::field, &Variable::kind));
+        };
+        const RunResult result = optimize(problem, events);
+        EXPECT_EQ(fields, (std::vector<long>{6, 12, budget == 80 && !as_before ? 0 : 12})) << budget;
+        ASSERT_EQ(result.levels.size(), 3u);
+        EXPECT_LT(result.levels[2].inherited_shape_change, 1e-9);
+        EXPECT_GE(result.levels[2].objective_end, (1 - 1e-9) * result.levels[1].objective_end);
+        EXPECT_GT(result.levels[1].objective_end, 1.001 * result.levels[0].objective_start) << "fields have moved";
+    }
+}
+
 TEST(ModelRun, ABudgetThatEndsWithTheFirstBatchIsTold) {
     EXPECT_NE(run(values_only(9))
                   .notes.find("a budget of 9 evaluations ends with the first (the start, and a batch of "

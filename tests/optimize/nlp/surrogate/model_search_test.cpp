@@ -151,6 +151,34 @@ TEST(ModelSearch, TriesInOrderWhereItIsTold) {
     for (std::size_t i = 1; i < evaluated.size(); ++i) EXPECT_EQ(axis(i), -1) << i;
 }
 
+/// Half of the first batch, twice as far; the batches after it are whole.
+TEST(ModelSearch, BeginsWithFewWhereItIsTold) {
+    std::vector<std::vector<double>> lengths;  // of each batch
+    NonlinearProgram p = long_bowl(12);
+    p.expect = [&](const std::vector<VectorXd>& batch) {
+        lengths.emplace_back();
+        for (const VectorXd& x : batch) lengths.back().push_back(std::sqrt(x.dot(p.metric * x)));
+    };
+    p.metric = 4 * MatrixXd::Identity(12, 12);
+    MinimizeOptions how = few(17, 8);
+    how.tries_in_order = true;
+    const auto first = [&](bool with_few, int batch) {
+        how.begins_with_few = with_few;
+        how.batch = batch;
+        lengths.clear();
+        minimize(p, how);
+        return lengths.at(0);
+    };
+    const std::vector<double> whole = first(false, 8), half = first(true, 8);
+    EXPECT_EQ(lengths.at(1).size(), 8u);
+    EXPECT_EQ(first(true, 5).size(), 3u);
+    EXPECT_EQ(first(true, 1).size(), 1u);
+    EXPECT_EQ(first(true, 13).size(), 13u) << "more than there are variables";
+    ASSERT_EQ(whole.size(), 8u);
+    ASSERT_EQ(half.size(), 4u);
+    for (std::size_t k = 0; k < half.size(); ++k) EXPECT_NEAR(half[k], 2 * whole[k], 1e-12);
+}
+
 /// Differences have no step yet.
 TEST(ModelSearch, HasGainedBeforeAGradientByDifferencesIsPaid) {
     const auto left = [](Method method) {

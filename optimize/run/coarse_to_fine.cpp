@@ -218,29 +218,6 @@ private:
                state_.seconds_left() > 0;
     }
 
-    /// In long runs by models: where the next level has no new fields, and what is left does not pay for all variables,
-    /// the fields that are there rest, and its patches alone are searched. Nothing: that level as it is.
-    std::optional<LevelSet> patches_alone() const {
-        const OptimizeOptions& options = state_.problem.optimize;
-        const auto& variables = state_.space.variables;
-        const auto is_of_patch = [](const Variable& variable) { return variable.patch >= 0 && is_load(variable.kind); };
-        const auto loads = static_cast<int>(std::ranges::count_if(variables, is_of_patch));
-        if (options.method != Method::model || options.begins_slowly || loads == 0 ||
-            state_.space.num_parameters() > 0 || !is_long_with_fields(state_.problem, state_.limits().evaluations))
-            return {};
-        LevelSet below = level_set(*state_.rest, state_.space.level + 1);
-        const auto patches = static_cast<int>(below.front.patches.patches.size());
-        const auto before = static_cast<int>(state_.space.patches().patches.size());
-        const auto fields = static_cast<int>(below.fields.numbers.size());
-        if (below.fields.reach > state_.space.fields.reach || budget_.can_learn(fields + loads * patches / before))
-            return {};
-        below.fields.numbers.clear();
-        if (!state_.space.fields.numbers.empty())
-            state_.note(text("level ", state_.space.level + 1, ": there are no finer fields, those of level ",
-                             state_.space.level, " stay as they are, and patches alone are searched"));
-        return below;
-    }
-
     /// What the next level is made of where the run chooses it. False: refining is expected to gain nothing.
     bool choose_next(const Eigen::VectorXd& x, std::optional<LevelSet>& next) {
         next.reset();
@@ -249,7 +226,10 @@ private:
         is_trial_wanted_ = false;
         const SplitRule rule = state_.rest->parameters.split;
         if (rule == SplitRule::tree) {
-            next = patches_alone();
+            next = budget_.patches_alone();
+            if (next && !state_.space.fields.numbers.empty())
+                state_.note(text("level ", state_.space.level + 1, ": there are no finer fields, those of level ",
+                                 state_.space.level, " stay as they are, and patches alone are searched"));
             return true;
         }
         if (may_try()) return is_trial_wanted_ = true;
@@ -355,7 +335,7 @@ private:
             for (int j = state_.space.num_shape(); j < state_.space.size(); ++j) how.first_alone.push_back(j);
         if (first && options.method == Method::model && how.first_alone.empty()) {
             how.tries_in_order = is_long_with_fields(state_.problem, state_.limits().evaluations);
-            how.begins_with_few = how.tries_in_order && !options.begins_slowly;
+            how.begins_with_few = budget_.begins_quickly();
         }
         how.starts = first ? options.starts : 1;
         how.seed = options.seed;

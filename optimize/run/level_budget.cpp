@@ -34,15 +34,32 @@ int LevelBudget::by_models() const {
     const int terms = static_cast<int>(state_.space.size()) + 1;
     if (!can_learn(static_cast<int>(state_.space.size()))) return left;
     const int batches = 1 + batches_of_a_level * state_.problem.optimize.batch;
-    const bool are_fields_alone = !state_.space.has_patches && state_.space.num_shape() == state_.space.size();
-    const bool is_quick = are_fields_alone && !state_.problem.optimize.begins_slowly &&
-                          is_long_with_fields(state_.problem, state_.limits().evaluations);
+    const bool is_quick = !state_.space.has_patches && begins_quickly();
     const double wanted = (is_quick ? points_of_first_fields : points_of_a_variable) * terms;
     return std::clamp(std::max(static_cast<int>(wanted), batches), 1, std::max(1, left / 2));
 }
 
 bool LevelBudget::can_learn(int variables) const {
     return state_.evaluations_left() >= min_points_of_a_variable * (variables + 1);
+}
+
+bool LevelBudget::begins_quickly() const {
+    return !state_.problem.optimize.begins_slowly && state_.space.num_parameters() == 0 &&
+           is_long_with_fields(state_.problem, state_.limits().evaluations);
+}
+
+std::optional<LevelSet> LevelBudget::patches_alone() const {
+    const DesignSpace& space = state_.space;
+    const auto is_of_patch = [](const Variable& variable) { return variable.patch >= 0 && is_load(variable.kind); };
+    const auto loads = static_cast<int>(std::ranges::count_if(space.variables, is_of_patch));
+    if (state_.problem.optimize.method != Method::model || loads == 0 || !begins_quickly()) return {};
+    LevelSet below = level_set(*space.rest, space.level + 1);
+    const auto patches = static_cast<int>(below.front.patches.patches.size());
+    const auto before = static_cast<int>(space.patches().patches.size());
+    const auto fields = static_cast<int>(below.fields.numbers.size());
+    if (below.fields.reach > space.fields.reach || can_learn(fields + loads * patches / before)) return {};
+    below.fields.numbers.clear();
+    return below;
 }
 
 bool LevelBudget::begins_by_models() const {

@@ -1,7 +1,7 @@
 #pragma once
 #include "optimize/run/level_program.hpp"
 
-/// What a level may spend, and which search begins it. Internal.
+/// What a level may spend, which search begins it, and which variables the rest pays for. Internal.
 namespace strake {
 
 /// Fewer evaluations move no level: it begins with the shape that it inherits, steps too far and comes back.
@@ -20,13 +20,20 @@ public:
     /// for each variable, one and a half of fields alone in runs that are long with them; all where finer variables
     /// could not be learned from the rest.
     int by_models() const;
-    /// What is left tells so many variables apart: models of it gain more than models of fewer.
-    bool can_learn(int variables) const;
     /// Where trials of values choose what comes next, few variables are searched by models: differences would pay for
     /// one gradient what brings these near their best. Equalities are met by chance only where models tell them.
     bool begins_by_models() const;
+    /// A run that is long with fields, without variables of programs: it tries them in order, with few at first, and
+    /// leaves them soon. Not with the meaning of earlier runs.
+    bool begins_quickly() const;
+    /// Where such a run by models has no new fields for the next level, and what is left does not pay for all of its
+    /// variables, the fields rest: the level with its patches alone. Nothing: as the tree has it.
+    std::optional<LevelSet> patches_alone() const;
 
 private:
+    /// What is left tells so many variables apart.
+    bool can_learn(int variables) const;
+
     const RunState& state_;
     const LevelProgram& program_;
 };

@@ -51,7 +51,8 @@ void keep_meaning(Case& the_case, int meaning) {
                   since_noses_are_corners_later = 8, since_winglets_are_followed = 9, since_boxes_sum = 10,
                   since_curvature_is_shared = 11, since_wings_have_fields = 11, since_binding_is_tried = 12,
                   since_levels_must_move = 12, since_exact_limits_have_slopes = 13, since_long_runs_have_models = 14,
-                  since_limits_are_met_together = 15, since_long_runs_begin_quickly = 16;
+                  since_limits_are_met_together = 15, since_long_runs_begin_quickly = 16,
+                  since_minima_have_directions = 17;
     for (WingEntry& wing : the_case.planform) {
         wing.keeps_outline = wing.keeps_outline && meaning >= since_outlines_are_kept;
         wing.rules = meaning < since_noses_are_corners_later ? WingRules::earlier
@@ -83,6 +84,7 @@ void keep_meaning(Case& the_case, int meaning) {
     the_case.optimize.descends_as_before = meaning < since_levels_must_move;
     the_case.optimize.limits_by_models = meaning < since_exact_limits_have_slopes;
     the_case.optimize.limits_by_turns = meaning < since_limits_are_met_together;
+    the_case.optimize.minima_in_variables = meaning < since_minima_have_directions;
     the_case.optimize.long_runs_by_differences = meaning < since_long_runs_have_models;
     the_case.optimize.begins_slowly = meaning < since_long_runs_begin_quickly;
 }

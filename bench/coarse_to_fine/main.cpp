@@ -29,7 +29,8 @@ struct Settings {
     LevelStartHessian level_start = LevelStartHessian::carried;
     double min_expected_gain = OptimizeOptions().min_expected_gain;
     std::vector<int> fields;
-    bool values_only = false, by_program = false, limits_by_models = false, limits_by_turns = false;
+    bool values_only = false, by_program = false, limits_by_models = false, limits_by_turns = false,
+         minima_in_variables = false;
     double motion_limit = 1;
     double noise = 0, failures = 0;
     int batch = OptimizeOptions().batch;
@@ -140,6 +141,7 @@ void run_problem(const std::string& name, const Settings& settings) {
     if (settings.by_program) problem = with_objective_by_program(problem);
     problem.problem.optimize.limits_by_models = settings.limits_by_models;
     problem.problem.optimize.limits_by_turns = settings.limits_by_turns;
+    problem.problem.optimize.minima_in_variables = settings.minima_in_variables;
     const std::filesystem::path folder = settings.out;
     for (const Solver solver : all_solvers())
         for (const Method method : methods_of(problem)) {
@@ -224,6 +226,8 @@ int main(int argc, char** argv) {
                  "model meets limits that are known along the slopes of its models, as in earlier runs");
     app.add_flag("--limits-by-turns", settings.limits_by_turns,
                  "model meets limits that are known and the motion limit by turns, as in earlier runs");
+    app.add_flag("--minima-in-variables", settings.minima_in_variables,
+                 "model looks for minima of its models in all variables, as in earlier runs");
     app.add_option("--motion-limit", settings.motion_limit, "share of the problems' own")
         ->check(CLI::Range(0.01, 100.0));
     app.add_option("--batch", settings.batch, "designs that model proposes together")->check(CLI::Range(1, 1000));

@@ -182,8 +182,9 @@ struct OptimizeOptions {
     /// and have no patches; a level that was left for finer details may be left for finer ones before it has moved; of
     /// `sqp`: `MinimizeOptions`.
     bool descends_as_before = false;
-    bool limits_by_models = false;  ///< the meaning of earlier runs: `MinimizeOptions`
-    bool limits_by_turns = false;   ///< the same
+    bool limits_by_models = false;     ///< the meaning of earlier runs: `MinimizeOptions`
+    bool limits_by_turns = false;      ///< the same
+    bool minima_in_variables = false;  ///< the same
     /// The meaning of earlier runs: `method: auto` is `sqp` in all long runs by values alone, and searches by models
     /// begin in random directions: none `is_long_with_fields` (optimize/run/method_choice.hpp).
     bool long_runs_by_differences = false;

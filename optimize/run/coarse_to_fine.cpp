@@ -349,6 +349,7 @@ private:
         how.descends_as_before = options.descends_as_before;
         how.limits_by_models = options.limits_by_models;
         how.limits_by_turns = options.limits_by_turns;
+        how.minima_in_variables = options.minima_in_variables;
         how.step_tolerance = options.step_tolerance;
         how.scope = text(" of level ", state_.space.level);
         how.evaluations_before = spent_;

@@ -68,7 +68,8 @@ bool keeps_to_rows(const QuadraticModel& m, const VectorXd& d) {
 }
 
 /// The last entry of w is `penalty` times the share of the violation that is left.
-LeastDistance least_distance(const QuadraticModel& model, const MatrixXd& K, const VectorXd& q) {
+/// @param K empty where no variable is bounded. @param AK the rows times K
+LeastDistance least_distance(const QuadraticModel& model, const MatrixXd& K, const MatrixXd& AK, const VectorXd& q) {
     constexpr double penalty = 1e5;
     const Eigen::Index n = q.size(), ineq = model.num_inequalities, rows = model.constraints.size();
     std::vector<Eigen::Index> upper, lower;
@@ -81,11 +82,10 @@ LeastDistance least_distance(const QuadraticModel& model, const MatrixXd& K, con
     p.q = VectorXd::Zero(n + 1);
     p.q.head(n) = q;
     p.inequality_rows = MatrixXd::Zero(above + below + ineq + 1, n + 1);
-    p.inequality_rows.topLeftCorner(above, n) = K(upper, Eigen::all);
-    p.inequality_rows.block(above, 0, below, n) = -K(lower, Eigen::all);
+    if (above > 0) p.inequality_rows.topLeftCorner(above, n) = K(upper, Eigen::all);
+    if (below > 0) p.inequality_rows.block(above, 0, below, n) = -K(lower, Eigen::all);
     p.inequality_limits.resize(above + below + ineq + 1);
     p.inequality_limits << model.upper(upper), -model.lower(lower), VectorXd::Zero(ineq + 1);
-    const MatrixXd AK = model.jacobian * K;
     for (Eigen::Index i = 0; i < ineq; ++i) {
         p.inequality_rows.row(above + below + i).head(n) = AK.row(i);
         p.inequality_rows(above + below + i, n) = -std::max(model.constraints[i], 0.0) / penalty;
@@ -144,16 +144,25 @@ VectorXd solve_model(const QuadraticModel& model) {
     // Most models of free shapes end here, at a third of n^3 operations.
     if (const VectorXd d = llt.solve(-model.gradient / unit); keeps_to_rows(model, d)) return d;
     // d = K w, K a multiple of L^-T with |q| = 1 (or less, see `min_step`).
-    MatrixXd K = llt.matrixU().solve(MatrixXd::Identity(n, n));
-    VectorXd q = K.transpose() * model.gradient / unit;
+    const bool is_bounded = model.lower.array().isFinite().any() || model.upper.array().isFinite().any();
+    MatrixXd K;  // n^3 operations, for the rows of the bounds
+    if (is_bounded) K = llt.matrixU().solve(MatrixXd::Identity(n, n));
+    VectorXd q = is_bounded ? VectorXd(K.transpose() * model.gradient / unit)
+                            : VectorXd(llt.matrixL().solve(model.gradient / unit));
     const bool is_violated =
         (model.constraints.head(ineq).array() > 0).any() || (model.constraints.tail(rows - ineq).array() != 0).any();
-    const double length = std::max(q.norm(), is_violated ? model.min_step : 0);
-    if (length > 0) K *= length, q /= length;
-    LeastDistance p = least_distance(model, K, q);
+    double length = std::max(q.norm(), is_violated ? model.min_step : 0);
+    if (length > 0)
+        K *= length, q /= length;
+    else
+        length = 1;
+    const MatrixXd AK = is_bounded ? MatrixXd(model.jacobian * K)
+                                   : MatrixXd(length * llt.matrixL().solve(model.jacobian.transpose()).transpose());
+    LeastDistance p = least_distance(model, K, AK, q);
     VectorXd w = nearest_point(p);
     if (w.size() == 0) w = solve_by_slsqp(p);
     if (w.size() == 0 || !w.allFinite()) return {};
+    if (!is_bounded) return length * llt.matrixU().solve(w.head(n));
     return (K * w.head(n)).cwiseMax(model.lower).cwiseMin(model.upper);
 }
 

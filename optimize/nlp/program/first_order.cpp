@@ -16,9 +16,19 @@ constexpr int bound_passes = 5;         ///< to find the active bounds
 constexpr double at_bound_rel = 1e-9;   ///< of the range: rounding must not decide
 
 /// L^-1 b with metric = L L^T.
-MatrixXd whitened(const NonlinearProgram& p, const MatrixXd& b) {
-    return p.metric.size() == 0 ? b : MatrixXd(Eigen::LLT<MatrixXd>(p.metric).matrixL().solve(b));
-}
+class Whitening {
+public:
+    explicit Whitening(const MatrixXd& metric) : is_identity_(metric.size() == 0 || metric.isIdentity(0)) {
+        if (!is_identity_) llt_.compute(metric);
+    }
+    VectorXd of(const VectorXd& b) const { return is_identity_ ? b : VectorXd(llt_.matrixL().solve(b)); }
+    MatrixXd of_columns(const MatrixXd& b) const { return is_identity_ ? b : MatrixXd(llt_.matrixL().solve(b)); }
+
+private:
+    bool is_identity_;
+    Eigen::LLT<MatrixXd> llt_;
+};
+MatrixXd whitened(const MatrixXd& metric, const MatrixXd& b) { return Whitening(metric).of_columns(b); }
 
 constexpr double dependent = 1e-8;  ///< of a row's length: what is not done by the others is rounding
 
@@ -122,9 +132,9 @@ VectorXd least_squares_multipliers(const MatrixXd& metric, const VectorXd& gradi
     VectorXd result = VectorXd::Zero(jacobian.rows());
     std::vector<Eigen::Index> active = set.rows;
     if (active.empty() || set.variables.empty()) return result;
-    const Eigen::LLT<MatrixXd> llt(MatrixXd(metric(set.variables, set.variables)));
-    const VectorXd g = llt.matrixL().solve(gradient(set.variables));
-    const MatrixXd normals = llt.matrixL().solve(jacobian(Eigen::all, set.variables).transpose());
+    const Whitening whitening(metric(set.variables, set.variables));
+    const VectorXd g = whitening.of(gradient(set.variables));
+    const MatrixXd normals = whitening.of_columns(jacobian(Eigen::all, set.variables).transpose());
     bool is_clear = false;
     for (int pass = 0; pass < 2 && !active.empty(); ++pass) {
         Eigen::ColPivHouseholderQR<MatrixXd> qr(MatrixXd(normals(Eigen::all, active)));
@@ -162,7 +172,7 @@ Multipliers all_multipliers(const MatrixXd& metric, const Evaluation& s, int num
     all.bottomRows(rows - first) = s.jacobian.bottomRows(rows - first);
     ActiveSet active{{}, set.variables};
     for (const Eigen::Index row : set.rows) active.rows.push_back(row < first ? row : row + limits);
-    const MatrixXd normals = Eigen::LLT<MatrixXd>(metric).matrixL().solve(s.limits.slopes.transpose());
+    const MatrixXd normals = whitened(metric, s.limits.slopes.transpose());
     for (Eigen::Index i = 0; i < limits; ++i)
         if (s.limits.values[i] >= -nearly_active * normals.col(i).norm()) active.rows.push_back(first + i);
     const VectorXd found =
@@ -174,7 +184,7 @@ Multipliers all_multipliers(const MatrixXd& metric, const Evaluation& s, int num
 
 Multipliers all_multipliers(const NonlinearProgram& p, const VectorXd& x, const Evaluation& evaluation) {
     if (evaluation.constraints.size() + evaluation.limits.values.size() == 0) return {};
-    const MatrixXd metric = metric_of(p), normals = whitened(p, evaluation.jacobian.transpose());
+    const MatrixXd metric = metric_of(p), normals = whitened(metric, evaluation.jacobian.transpose());
     ActiveSet set;
     for (Eigen::Index i = 0; i < evaluation.constraints.size(); ++i)
         if (i >= p.num_inequalities || evaluation.constraints[i] >= -nearly_active * normals.col(i).norm())
@@ -223,7 +233,7 @@ double metric_norm(const NonlinearProgram& p, const VectorXd& d) {
     return p.metric.size() == 0 ? d.norm() : std::sqrt(std::max(0.0, d.dot(p.metric * d)));
 }
 
-double dual_norm(const NonlinearProgram& p, const VectorXd& g) { return whitened(p, g).norm(); }
+double dual_norm(const NonlinearProgram& p, const VectorXd& g) { return whitened(p.metric, g).norm(); }
 
 double total_violation(const NonlinearProgram& p, const VectorXd& c) {
     double sum = 0;

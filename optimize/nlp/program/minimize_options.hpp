@@ -40,6 +40,12 @@ struct MinimizeOptions {
     /// The meaning of earlier runs, of `model`: what limits that are known exactly have moved the limit of motion moves
     /// again, and designs without a shape are proposed.
     bool limits_by_turns = false;
+    /// The meaning of earlier runs, of `model`: minima of models are looked for in all variables, not in the directions
+    /// that their points tell of.
+    bool minima_in_variables = false;
+    /// sqp: the damping of a step that is too long is found by secants, not by bisection: where evaluations cost less
+    /// than solving for a step.
+    bool damps_by_secants = false;
     double step_tolerance = 1e-6;        ///< change of every variable
     double constraint_tolerance = 1e-6;  ///< scaled
     int max_shrinks = 8;                 ///< cuts of the step after failures in a row

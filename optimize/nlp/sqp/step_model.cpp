@@ -39,6 +39,7 @@ VectorXd StepModel::step(const VectorXd& constraints) {
     is_limited_ = d.size() > 0 && length(d) > trust_region.radius_slack * radius;
     if (!is_limited_) return d;
     const double size = hessian_.matrix().trace() / now_.program.metric.trace();
+    if (now_.guard.options.damps_by_secants) return damped_by_secants(constraints, length(d), size);
     double low = std::log(trust_region.min_damping * size), high = std::log(trust_region.max_damping * size);
     for (int i = 0; i < trust_region.max_damping_solves; ++i) {
         const double middle = 0.5 * (low + high);
@@ -52,6 +53,30 @@ VectorXd StepModel::step(const VectorXd& constraints) {
             high = middle;
         else
             break;
+    }
+    return d;
+}
+
+/// The reciprocal of the length is nearly linear in the damping (Reinsch 1971; Hebden 1973).
+VectorXd StepModel::damped_by_secants(const VectorXd& constraints, double undamped, double size) {
+    const double wanted = 0.5 * (1 + trust_region.min_length) * radius;
+    double low = 0, high = trust_region.max_damping * size;  // too long, and too short
+    double before = 0, reciprocal_before = 1 / undamped;
+    damping_ = std::min(size * (undamped / wanted - 1), high);
+    VectorXd d;
+    for (int i = 0; i < trust_region.max_damping_solves; ++i) {
+        d = solve_model(model(constraints, damping_));
+        if (d.size() == 0) return d;
+        const double size_of_step = length(d);
+        const bool is_long_enough = size_of_step >= trust_region.min_length * radius;
+        if ((size_of_step <= radius && is_long_enough) || i + 1 == trust_region.max_damping_solves) break;
+        (size_of_step > radius ? low : high) = damping_;
+        const double reciprocal = 1 / size_of_step, slope = (reciprocal - reciprocal_before) / (damping_ - before);
+        const double next = damping_ + (1 / wanted - reciprocal) / slope;
+        before = damping_, reciprocal_before = reciprocal;
+        const double least = trust_region.min_damping * size;
+        const double middle = high > least ? std::sqrt(std::max(low, least) * high) : 0.5 * (low + high);
+        damping_ = next > low && next < high ? next : middle;
     }
     return d;
 }

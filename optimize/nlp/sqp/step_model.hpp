@@ -25,8 +25,8 @@ public:
     void add_limits(const StepLimits& limits) { append(limits_, limits); }
     void forget_limits() { limits_ = {}; }
 
-    /// The model's step, no longer than the radius: the damping that it takes is found by bisection of its logarithm.
-    /// Empty: the model cannot be solved.
+    /// The model's step, no longer than the radius: the damping that it takes is found by bisection of its logarithm,
+    /// or by secants (`MinimizeOptions::damps_by_secants`). Empty: the model cannot be solved.
     Eigen::VectorXd step(const Eigen::VectorXd& constraints);
     /// From the present constraints. Where the metric at this point finds the step too long (a direction has become
     /// soft), the metric is updated, positive definite (BFGS with the exact product), and the step is computed again.
@@ -43,6 +43,8 @@ public:
     double damping() const { return damping_; }
 
 private:
+    Eigen::VectorXd damped_by_secants(const Eigen::VectorXd& constraints, double undamped, double size);
+
     SqpIterate& now_;
     const HessianModel& hessian_;
     const Merit& merit_;

@@ -35,9 +35,12 @@ MatrixXd correlations(const MatrixXd& points, const Kernel& kernel) {
     const Eigen::Index n = points.rows();
     MatrixXd C(n, n);
     for (Eigen::Index k = 0; k < n; ++k) {
+        auto square = C.col(k).head(k);  // of distances; by coordinates, whose points lie together in memory
+        square.setZero();
+        for (Eigen::Index j = 0; j < points.cols(); ++j)
+            square.array() += (scaled.col(j).head(k).array() - scaled(k, j)).square();
         C(k, k) = 1 + kernel.nugget;
-        for (Eigen::Index i = 0; i < k; ++i)
-            C(i, k) = C(k, i) = std::exp(-0.5 * (scaled.row(i) - scaled.row(k)).squaredNorm());
+        for (Eigen::Index i = 0; i < k; ++i) C(i, k) = C(k, i) = std::exp(-0.5 * square[i]);
     }
     return C;
 }

@@ -16,6 +16,8 @@ struct ProposalRegion {
     Eigen::MatrixXd tilt;  ///< a row each; empty: none
     double correction(Eigen::Index row, const Eigen::VectorXd& z) const;
     bool is_beyond_border(const Eigen::VectorXd& x) const { return cut && cut->normal.dot(x) > cut->limit; }
+    /// The meaning of earlier runs: minima are looked for in the variables.
+    bool is_in_variables = false;
     static constexpr double reach = 1.2;  ///< radii: what exact limits move farther is another proposal
 };
 

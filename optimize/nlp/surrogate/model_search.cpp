@@ -55,6 +55,7 @@ public:
           minimum_(guard, points_, allowed_, region_, [this](const VectorXd& values) { return merit(values); }) {
         region_.margin = VectorXd::Zero(guard.program.num_inequalities);
         region_.offset = VectorXd::Zero(guard.program.num_inequalities + guard.program.num_equalities);
+        region_.is_in_variables = guard.options.minima_in_variables;
     }
 
     ModelEnd run() {

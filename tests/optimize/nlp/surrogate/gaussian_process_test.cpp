@@ -2,6 +2,7 @@
 
 #include "core/error.hpp"
 #include "optimize/nlp/surrogate/spread.hpp"
+#include "programs.hpp"
 
 #include <gtest/gtest.h>
 #include <cmath>
@@ -13,10 +14,6 @@ namespace {
 
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
-
-VectorXd vec(std::initializer_list<double> entries) {
-    return VectorXd::Map(entries.begin(), static_cast<Eigen::Index>(entries.size()));
-}
 
 double wavy(const VectorXd& x) { return std::sin(3 * x[0]) + x[0] * x[1] - 0.5 * x[1] * x[1] + 2; }
 

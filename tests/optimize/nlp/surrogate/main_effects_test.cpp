@@ -2,6 +2,7 @@
 
 #include "core/error.hpp"
 #include "optimize/nlp/surrogate/spread.hpp"
+#include "programs.hpp"
 
 #include <gtest/gtest.h>
 #include <cmath>
@@ -11,10 +12,6 @@ namespace {
 
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
-
-VectorXd vec(std::initializer_list<double> entries) {
-    return VectorXd::Map(entries.begin(), static_cast<Eigen::Index>(entries.size()));
-}
 
 /// sin x1 + 7 sin^2 x2 + 0.1 x3^4 sin x1 on [-pi, pi]^3 (Ishigami and Homma 1990).
 double ishigami(const VectorXd& x) {

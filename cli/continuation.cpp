@@ -52,7 +52,7 @@ void keep_meaning(Case& the_case, int meaning) {
                   since_curvature_is_shared = 11, since_wings_have_fields = 11, since_binding_is_tried = 12,
                   since_levels_must_move = 12, since_exact_limits_have_slopes = 13, since_long_runs_have_models = 14,
                   since_limits_are_met_together = 15, since_long_runs_begin_quickly = 16,
-                  since_minima_have_directions = 17;
+                  since_minima_have_directions = 17, since_normals_are_curved = 18, since_patches_are_tried = 18;
     for (WingEntry& wing : the_case.planform) {
         wing.keeps_outline = wing.keeps_outline && meaning >= since_outlines_are_kept;
         wing.rules = meaning < since_noses_are_corners_later ? WingRules::earlier
@@ -85,6 +85,8 @@ void keep_meaning(Case& the_case, int meaning) {
     the_case.optimize.limits_by_models = meaning < since_exact_limits_have_slopes;
     the_case.optimize.limits_by_turns = meaning < since_limits_are_met_together;
     the_case.optimize.minima_in_variables = meaning < since_minima_have_directions;
+    the_case.optimize.one_curvature = meaning < since_normals_are_curved;
+    the_case.optimize.patches_last = meaning < since_patches_are_tried;
     the_case.optimize.long_runs_by_differences = meaning < since_long_runs_have_models;
     the_case.optimize.begins_slowly = meaning < since_long_runs_begin_quickly;
 }

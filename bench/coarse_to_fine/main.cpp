@@ -30,7 +30,7 @@ struct Settings {
     double min_expected_gain = OptimizeOptions().min_expected_gain;
     std::vector<int> fields;
     bool values_only = false, by_program = false, limits_by_models = false, limits_by_turns = false,
-         minima_in_variables = false;
+         minima_in_variables = false, one_curvature = false, patches_last = false;
     double motion_limit = 1;
     double noise = 0, failures = 0;
     int batch = OptimizeOptions().batch;
@@ -142,6 +142,8 @@ void run_problem(const std::string& name, const Settings& settings) {
     problem.problem.optimize.limits_by_models = settings.limits_by_models;
     problem.problem.optimize.limits_by_turns = settings.limits_by_turns;
     problem.problem.optimize.minima_in_variables = settings.minima_in_variables;
+    problem.problem.optimize.one_curvature = settings.one_curvature;
+    problem.problem.optimize.patches_last = settings.patches_last;
     const std::filesystem::path folder = settings.out;
     for (const Solver solver : all_solvers())
         for (const Method method : methods_of(problem)) {
@@ -177,6 +179,20 @@ std::vector<std::string> all_names() {
     std::vector<std::string> names = problem_names();
     names.insert(names.end(), physical_names().begin(), physical_names().end());
     return names;
+}
+
+/// What earlier runs did.
+void add_earlier_ways(CLI::App& app, Settings& settings) {
+    app.add_flag("--limits-by-models", settings.limits_by_models,
+                 "model meets limits that are known along the slopes of its models, as in earlier runs");
+    app.add_flag("--limits-by-turns", settings.limits_by_turns,
+                 "model meets limits that are known and the motion limit by turns, as in earlier runs");
+    app.add_flag("--minima-in-variables", settings.minima_in_variables,
+                 "model looks for minima of its models in all variables, as in earlier runs");
+    app.add_flag("--one-curvature", settings.one_curvature,
+                 "models of patches alone have the metric's curvature only, as in earlier runs");
+    app.add_flag("--patches-last", settings.patches_last,
+                 "long runs by models have patches beside finer fields, as in earlier runs");
 }
 
 }  // namespace
@@ -222,12 +238,7 @@ int main(int argc, char** argv) {
         "no gradients: sqp by differences, which count as evaluations, model, cobyla, and bobyqa without constraints");
     app.add_flag("--by-program", settings.by_program,
                  "the same for the objective alone, as if a flow solver told it; limits are known, with gradients");
-    app.add_flag("--limits-by-models", settings.limits_by_models,
-                 "model meets limits that are known along the slopes of its models, as in earlier runs");
-    app.add_flag("--limits-by-turns", settings.limits_by_turns,
-                 "model meets limits that are known and the motion limit by turns, as in earlier runs");
-    app.add_flag("--minima-in-variables", settings.minima_in_variables,
-                 "model looks for minima of its models in all variables, as in earlier runs");
+    add_earlier_ways(app, settings);
     app.add_option("--motion-limit", settings.motion_limit, "share of the problems' own")
         ->check(CLI::Range(0.01, 100.0));
     app.add_option("--batch", settings.batch, "designs that model proposes together")->check(CLI::Range(1, 1000));

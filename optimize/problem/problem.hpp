@@ -185,6 +185,12 @@ struct OptimizeOptions {
     bool limits_by_models = false;     ///< the meaning of earlier runs: `MinimizeOptions`
     bool limits_by_turns = false;      ///< the same
     bool minima_in_variables = false;  ///< the same
+    /// The meaning of earlier runs: models of patches alone have the metric's curvature, not that of motions along
+    /// normals beside it (`NonlinearProgram::second_curvature`).
+    bool one_curvature = false;
+    /// The meaning of earlier runs: long ones by models have their patches beside finer fields, never before them
+    /// (optimize/run/level_order.hpp).
+    bool patches_last = false;
     /// The meaning of earlier runs: `method: auto` is `sqp` in all long runs by values alone, and searches by models
     /// begin in random directions: none `is_long_with_fields` (optimize/run/method_choice.hpp).
     bool long_runs_by_differences = false;

@@ -5,7 +5,7 @@
 #include "optimize/nlp/program/methods.hpp"
 #include "optimize/nlp/program/partial_gradient.hpp"
 #include "optimize/run/known_designs.hpp"
-#include "optimize/run/level_budget.hpp"
+#include "optimize/run/level_order.hpp"
 #include "optimize/run/level_program.hpp"
 #include "optimize/run/method_choice.hpp"
 #include "optimize/run/run_verdict.hpp"
@@ -46,7 +46,8 @@ public:
     Optimization(const Problem& problem, const RunEvents& events, Journal* journal)
         : state_(problem, events, LevelProgram::differentiated_names(problem), journal),
           program_(state_),
-          budget_(state_, program_) {
+          budget_(state_, program_),
+          order_(state_, budget_) {
         state_.evaluator.take_over_values();
         const OptimizeOptions& options = problem.optimize;
         const bool are_narrow =
@@ -226,6 +227,10 @@ private:
         is_trial_wanted_ = false;
         const SplitRule rule = state_.rest->parameters.split;
         if (rule == SplitRule::tree) {
+            if ((next = order_.advance())) {
+                keep_step_of_group(*next);
+                return true;
+            }
             next = budget_.patches_alone();
             if (next && !state_.space.fields.numbers.empty())
                 state_.note(text("level ", state_.space.level + 1, ": there are no finer fields, those of level ",
@@ -278,6 +283,12 @@ private:
         expected_of_level_ = plan.chosen + still_expected_;
         next = plan.next;
         return true;
+    }
+
+    /// What was too far for fields says nothing of patches, nor of fields what was for patches.
+    void keep_step_of_group(const LevelSet& next) {
+        const bool had_fields = !state_.space.fields.numbers.empty(), has_fields = !next.fields.numbers.empty();
+        if (had_fields != has_fields) std::swap(first_step_, step_of_other_group_);
     }
 
     /// Values alone, and fields beside patches to choose from.
@@ -356,8 +367,8 @@ private:
         how.failures_before = failed_;
         how.constraint_tolerance = options.constraint_tolerance;
         // Where trials choose, levels are left by what they gain.
-        how.max_evaluations = last                                     ? state_.evaluations_left()
-                              : how.method == Method::model            ? budget_.by_models()
+        how.max_evaluations = last                          ? state_.evaluations_left()
+                              : how.method == Method::model ? order_.evaluations().value_or(budget_.by_models())
                               : how.method == Method::sqp && may_try() ? state_.evaluations_left()
                                                                        : budget_.by_differences();
         how.max_seconds = state_.limits().seconds > 0 ? std::max(state_.seconds_left(), 1e-9) : 0;
@@ -538,13 +549,14 @@ private:
     RunState state_;
     LevelProgram program_;
     LevelBudget budget_;
+    LevelOrder order_;
     Eigen::MatrixXd hessian_;         ///< at the end of the level, in y; empty: not known
     Eigen::VectorXd weight_;          ///< y over x
     Eigen::VectorXd last_y_;          ///< the last point of the level that was differentiated
     Evaluation last_;                 ///< there
     Evaluation parent_;               ///< best of the level, its gradient in y
     Eigen::MatrixXd gradient_error_;  ///< of that gradient
-    double curvature_ = 1, first_step_ = 0.5, largest_gradient_ = 0;
+    double curvature_ = 1, first_step_ = 0.5, step_of_other_group_ = 0.5, largest_gradient_ = 0;
     int spent_ = 0, failed_ = 0;     ///< evaluations of the level's searches before the present one, and failures
     double widened_ = 1;             ///< times the ranges that the level began with
     double probed_ = 1;              ///< how much softer the details of the next level are than the metric says

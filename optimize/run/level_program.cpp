@@ -3,8 +3,10 @@
 #include "core/error.hpp"
 #include "optimize/nlp/program/first_order.hpp"
 #include "optimize/nlp/program/methods.hpp"
+#include "optimize/run/method_choice.hpp"
 #include "optimize/run/run_verdict.hpp"
 #include "optimize/space/motion_limit.hpp"
+#include "optimize/space/response_metric.hpp"
 
 #include <cmath>
 
@@ -60,6 +62,10 @@ bool uses_cheap_program(const Problem& problem) {
     return std::none_of(problem.quantities.begin(), problem.quantities.end(), is_unknown) &&
            std::any_of(problem.constraints.begin(), problem.constraints.end(),
                        [&](const Constraint& c) { return is_cheap(problem, c.quantity); });
+}
+
+bool is_of_patches_alone(const DesignSpace& space) {
+    return std::ranges::all_of(space.variables, [](const Variable& variable) { return variable.patch >= 0; });
 }
 
 /// Sum of weight * sensitivities, over those that count for design variables.
@@ -137,11 +143,16 @@ const NonlinearProgram& LevelProgram::enter(const Eigen::VectorXd& start, bool i
         state_.evaluator.expect(designs, state_.result.evaluations + 1);
     };
     program_.metric = inverse.asDiagonal() * space.metric * inverse.asDiagonal();
+    const OptimizeOptions& options = state_.problem.optimize;
+    // Short runs of patches alone were not measured with it.
+    if (options.method == Method::model && !options.one_curvature && is_of_patches_alone(space) &&
+        space.size() <= max_variables_with_curvature &&
+        is_long_with_fields(state_.problem, state_.limits().evaluations))
+        program_.second_curvature = inverse.asDiagonal() * normal_motion(space) * inverse.asDiagonal();
     program_.present_metric = [this](const Eigen::VectorXd& y, const Eigen::VectorXd& d) {
         const Eigen::VectorXd product = state_.evaluator.metric_product(unscaled(y), d.cwiseQuotient(weight_));
         return product.size() > 0 ? Eigen::VectorXd(product.cwiseQuotient(weight_)) : product;
     };
-    const OptimizeOptions& options = state_.problem.optimize;
     const bool may_miss = options.finite_differences &&
                           space.num_parameters() > 0;  // a program may give only some derivatives by parameters
     if ((needs_differences_ || may_miss) && method_facts(options.method).needs_gradients) {

@@ -13,13 +13,6 @@ bool has(const Parameters& parameters, VariableKind kind) {
 
 bool has_patches_at_start(const Parameters& p) { return !p.fields || has(p, VariableKind::strain); }
 
-int variables_of_a_patch(const Parameters& p) {
-    const int directions = p.load_directions.empty() ? 3 : static_cast<int>(p.load_directions.size());
-    return directions * has(p, VariableKind::load) + has(p, VariableKind::normal_load) +
-           3 * (p.strain_rotates + p.strain_translates) * has(p, VariableKind::strain) +
-           has(p, VariableKind::stiffness);
-}
-
 /// First of the values that the search needs and that have no gradient; empty: none.
 std::string without_gradient(const Problem& problem) {
     const auto has_none = [&](const std::string& name) {
@@ -35,6 +28,13 @@ std::string without_gradient(const Problem& problem) {
 }
 
 }  // namespace
+
+int variables_of_a_patch(const Parameters& p) {
+    const int directions = p.load_directions.empty() ? 3 : static_cast<int>(p.load_directions.size());
+    return directions * has(p, VariableKind::load) + has(p, VariableKind::normal_load) +
+           3 * (p.strain_rotates + p.strain_translates) * has(p, VariableKind::strain) +
+           has(p, VariableKind::stiffness);
+}
 
 int max_variables_at_start(const Problem& problem) {
     const Parameters& p = problem.parameters;

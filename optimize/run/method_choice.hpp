@@ -22,6 +22,9 @@ MethodChoice choose_method(const Problem& problem, int budget);
 /// Maximum number of variables of the first level: a run drops those that turn out to move nothing.
 int max_variables_at_start(const Problem& problem);
 
+/// Of each patch that is free.
+int variables_of_a_patch(const Parameters& parameters);
+
 /// Gradients by differences, one evaluation for each variable and one more, below which `model` ends lower on most
 /// problems of the evidence suite (docs/evidence.md).
 inline constexpr double min_gradients = 8;

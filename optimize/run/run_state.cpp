@@ -171,6 +171,7 @@ bool RunState::can_refine() const {
 }
 
 int RunState::levels_left() const {
+    if (levels_below) return *levels_below;
     if (rest->parameters.kinds.empty() && !has_finer(space)) return 0;  // finer patches of what stays as it is
     const std::size_t levels = std::max(rest->tree->levels.size(), rest->parameters.field_steps.size());
     const int below = static_cast<int>(levels) - 1 - space.level;

@@ -87,7 +87,8 @@ public:
     double level_best_objective = std::numeric_limits<double>::quiet_NaN();
     /// Of the next levels: ranges of variables are as wide as the motion limit lets them be together.
     bool begins_with_wide_ranges = false;
-    double range_ratio = 1;  ///< of the present level: the most that this has made of a range
+    double range_ratio = 1;           ///< of the present level: the most that this has made of a range
+    std::optional<int> levels_below;  ///< `levels_left`, where the run orders its levels by itself; else by the tree
     bool is_trying = false;  ///< only the first evaluation of the level counts as its best: the others are differences
 
 private:

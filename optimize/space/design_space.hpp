@@ -73,6 +73,7 @@ struct LevelSet {
     Front front;
     FieldSet fields;
     bool has_patches = true;  ///< patches have variables; false: the fields are by themselves
+    bool takes_up = false;    ///< fields that rested above go on with the values that they have, in the same ranges
 };
 
 struct DesignSpace {

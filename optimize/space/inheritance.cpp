@@ -1,6 +1,7 @@
 #include "optimize/space/design_levels.hpp"
 
 #include <Eigen/QR>
+#include <utility>
 
 /// What a level takes over from the one above it: the same demand on the shell, in its own variables where it has
 /// them, the rest carried.
@@ -97,6 +98,17 @@ void carry(DesignSpace& child, const Eigen::VectorXd& left) {
     child.carried_user_values += child.user_values(left);
 }
 
+/// Fields that are variables again have the values that were carried while they rested.
+void take_up_fields(DesignSpace& child, Eigen::VectorXd& wanted) {
+    for (const Variable& variable : child.variables) {
+        if (variable.kind != VariableKind::field) continue;
+        for (const DegreeOfFreedom& move : variable.moves) {
+            double& carried = child.carried_user_values[move.index - child.num_patch_dofs()];
+            wanted[move.index] += std::exchange(carried, 0);
+        }
+    }
+}
+
 Eigen::MatrixXd prolongation_at(const DesignSpace& parent, const Eigen::VectorXd& x, const DesignSpace& child,
                                 const Expression& express) {
     // Linear but for strains, where the second order of a step of 1e-5 is below what a preconditioner notices.
@@ -137,7 +149,8 @@ InheritedSpace refine(const DesignSpace& parent, const Eigen::VectorXd& x, const
                                                                         : Eigen::VectorXd(Eigen::VectorXd::Zero(m));
     child.carried_user_values = parent.carried_user_values;
     const Expression express(child);
-    const Eigen::VectorXd wanted = wanted_dofs(parent, x, child);
+    Eigen::VectorXd wanted = wanted_dofs(parent, x, child);
+    if (set.takes_up) take_up_fields(child, wanted);
     result.x = express(wanted);
     result.x.tail(child.num_parameters()) = x.tail(parent.num_parameters());
     Eigen::VectorXd left = wanted;

@@ -14,7 +14,8 @@ constexpr double spread = 0.03;         ///< diagonals: rows of vertices closer 
 
 constexpr double cancelled = 1e-9;  ///< of the area around a vertex: a shorter sum of its normals is rounding
 
-/// Unit normals of the vertices: the area-weighted mean of their triangles'; zero where these cancel.
+}  // namespace
+
 Points vertex_normals(const TriMesh& mesh) {
     const Points normal = triangle_normals(mesh);
     const Eigen::VectorXd area = triangle_areas(mesh);
@@ -34,8 +35,6 @@ Points vertex_normals(const TriMesh& mesh) {
     }
     return sum;
 }
-
-}  // namespace
 
 MotionLimit::MotionLimit(const RestFacts& rest, Points datum) : datum_(std::move(datum)), diagonal_(rest.diagonal) {
     const Parameters& p = rest.parameters;

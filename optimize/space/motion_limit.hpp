@@ -8,6 +8,9 @@
 /// any direction, and where the sides differ the part along the datum's normal and that against it.
 namespace strake {
 
+/// n x 3 unit normals of the vertices: the area-weighted mean of their triangles'; zero where these cancel.
+Points vertex_normals(const TriMesh& mesh);
+
 class MotionLimit {
 public:
     /// A condition of one vertex, linear about the shape that it was taken at. On a convex limit it cuts nothing off.

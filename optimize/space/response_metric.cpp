@@ -68,6 +68,15 @@ public:
         return work;
     }
 
+    /// The parts of samples (one variable a column) along the normals.
+    Eigen::MatrixXd along_normals(const Eigen::MatrixXd& samples) const {
+        const Points normal = vertex_normals(rest_.surface);
+        Eigen::MatrixXd along(samples.rows() / 3, samples.cols());
+        for (Eigen::Index s = 0; s < along.rows(); ++s)
+            along.row(s) = normal.row(s * stride_) * samples.middleRows<3>(3 * s);
+        return along;
+    }
+
     /// The sampled displacements times their shares of the area, zero elsewhere.
     Points weighted(const Points& dv) const {
         Points sampled = Points::Zero(dv.rows(), 3);
@@ -227,6 +236,11 @@ Eigen::MatrixXd response_metric(const DesignSpace& space, const Responses& respo
         metric(j, j) *= 1 + 1e-9;  // definite also where loads are dependent, as a vector and a normal on a flat patch
     }
     return metric;
+}
+
+Eigen::MatrixXd normal_motion(const DesignSpace& space) {
+    const Eigen::MatrixXd along = Reduction(*space.rest).along_normals(responses_at_rest(space).samples);
+    return along.transpose() * along;
 }
 
 Eigen::VectorXd present_product(const DesignSpace& space, PrimoShell* shell, const Eigen::VectorXd& d,

@@ -31,6 +31,12 @@ constexpr double held_share = 0.3;
 /// `soft_work`), plus `held_share` squared of that of fields before wings keep their sections.
 Eigen::MatrixXd response_metric(const DesignSpace& space, const Responses& responses);
 
+/// size() x size(), positive semidefinite: x.this.x is the mean square of the motion along the surface's normals, in
+/// units of the model squared, by the linear response at rest; zero for stiffness, which has none. Other tangential
+/// motion changes no smooth shape.
+/// @pre all variables are of the shape
+Eigen::MatrixXd normal_motion(const DesignSpace& space);
+
 /// Work of a load variable, at x = 1, that is soft for this space: the lower quartile; 0 without loads.
 double soft_work(const DesignSpace& space, const Responses& responses);
 

@@ -34,11 +34,15 @@ GaussianProcess::GaussianProcess(MatrixXd points, VectorXd values, const Gaussia
     : points_(std::move(points)),
       values_(std::move(values)),
       trend_(options.trend),
-      square_about_(options.square_about) {
+      square_about_(options.square_about),
+      form_(options.square_about.size() > 0 ? options.square_form : MatrixXd()) {
     std::vector<int> group = options.group;
     if (group.empty())
         for (Eigen::Index j = 0; j < points_.cols(); ++j) group.push_back(static_cast<int>(j));
     check(group);
+    if (has_form() && (form_.rows() != points_.cols() || form_.cols() != points_.cols() || !form_.allFinite()))
+        throw InvalidInput(text("Gaussian process: square_form is ", form_.rows(), " x ", form_.cols(), " for ",
+                                points_.cols(), " coordinates, or not finite"));
     if (!(options.min_nugget > 0 && options.min_nugget < 1))
         throw InvalidInput(text("min_nugget = ", options.min_nugget, " must be in (0, 1)"));
     choose_trend();
@@ -55,8 +59,7 @@ GaussianProcess GaussianProcess::with_points(MatrixXd points, VectorXd values) c
     other.points_ = std::move(points);
     other.values_ = std::move(values);
     other.check(std::vector<int>(static_cast<std::size_t>(points_.cols()), 0));
-    other.H_.resize(other.points_.rows(), H_.cols());
-    for (Eigen::Index i = 0; i < other.points_.rows(); ++i) other.H_.row(i) = other.terms(other.points_.row(i));
+    other.evaluate_terms();
     other.fit();
     return other;
 }
@@ -82,30 +85,52 @@ void GaussianProcess::choose_trend() {
     while (trend_ != Trend::constant && !can_tell(terms_of(trend_, d) + has_square()))
         trend_ = trend_ == Trend::quadratic ? Trend::linear : Trend::constant;
     if (trend_ == Trend::quadratic || !can_tell(terms_of(trend_, d) + 1)) square_about_.resize(0);
+    if (!has_square() || !can_tell(terms_of(trend_, d) + 2)) form_.resize(0, 0);
     centre_ = points_.colwise().mean();
     unit_ = (points_.rowwise() - centre_.transpose()).cwiseAbs().colwise().maxCoeff();
     for (double& u : unit_)
         if (!(u > 0)) u = 1;
     if (has_square()) square_unit_ = (points_.rowwise() - square_about_.transpose()).rowwise().norm().maxCoeff();
-    if (!(square_unit_ > 0)) square_about_.resize(0);
-    H_.resize(n, terms_of(trend_, d) + has_square());
-    for (Eigen::Index i = 0; i < n; ++i) H_.row(i) = terms(points_.row(i));
+    if (!(square_unit_ > 0)) {
+        square_about_.resize(0);
+        form_.resize(0, 0);
+    }
+    H_.resize(n, terms_of(trend_, d) + num_squares());
+    evaluate_terms();
     // Terms that these points cannot tell apart have no weights of their own.
     if (are_told_apart(Eigen::LLT<MatrixXd>(H_.transpose() * H_), 1e-6)) return;
+    if (has_form()) {
+        leave_out_form();
+        if (are_told_apart(Eigen::LLT<MatrixXd>(H_.transpose() * H_), 1e-6)) return;
+    }
     keep_constant_trend();
+}
+
+void GaussianProcess::evaluate_terms() {
+    H_.resize(points_.rows(), H_.cols());
+    for (Eigen::Index i = 0; i < points_.rows(); ++i) H_.row(i) = terms(points_.row(i));
+}
+
+void GaussianProcess::leave_out_form() {
+    form_.resize(0, 0);
+    H_.conservativeResize(Eigen::NoChange, H_.cols() - 1);
 }
 
 void GaussianProcess::keep_constant_trend() {
     trend_ = Trend::constant;
     square_about_.resize(0);
+    form_.resize(0, 0);
     H_ = VectorXd::Ones(points_.rows());
 }
 
 VectorXd GaussianProcess::terms(const VectorXd& x) const {
     const Eigen::Index d = x.size();
-    VectorXd h(terms_of(trend_, d) + has_square());
+    VectorXd h(terms_of(trend_, d) + num_squares());
     h[0] = 1;
-    if (has_square()) h[h.size() - 1] = (x - square_about_).squaredNorm() / (square_unit_ * square_unit_);
+    const Eigen::Index first = h.size() - num_squares();
+    const double unit = square_unit_ * square_unit_;
+    if (has_square()) h[first] = (x - square_about_).squaredNorm() / unit;
+    if (has_form()) h[first + 1] = (x - square_about_).dot(form_ * (x - square_about_)) / unit;
     if (trend_ == Trend::constant) return h;
     const VectorXd z = (x - centre_).cwiseQuotient(unit_);
     h.segment(1, d) = z;
@@ -118,7 +143,9 @@ VectorXd GaussianProcess::terms(const VectorXd& x) const {
 MatrixXd GaussianProcess::term_slopes(const VectorXd& x) const {
     const Eigen::Index d = x.size();
     MatrixXd slopes = MatrixXd::Zero(H_.cols(), d);
-    if (has_square()) slopes.bottomRows(1) = 2 / (square_unit_ * square_unit_) * (x - square_about_).transpose();
+    const double twice = 2 / (square_unit_ * square_unit_);
+    if (has_square()) slopes.row(first_square()) = twice * (x - square_about_).transpose();
+    if (has_form()) slopes.row(first_square() + 1) = twice * (form_ * (x - square_about_)).transpose();
     if (trend_ == Trend::constant) return slopes;
     const VectorXd z = (x - centre_).cwiseQuotient(unit_);
     slopes.middleRows(1, d) = unit_.cwiseInverse().asDiagonal();
@@ -142,6 +169,10 @@ void GaussianProcess::fit() {
     HCH_.compute(H_.transpose() * CH_);
     beta_ = HCH_.solve(CH_.transpose() * values_);
     // Points next to one another leave nothing of the trend but rounding: a constant is what they tell.
+    if (has_form() && !are_told_apart(HCH_, beyond_rounding)) {
+        leave_out_form();
+        return fit();
+    }
     if (trend_ != Trend::constant && !are_told_apart(HCH_, beyond_rounding)) {
         keep_constant_trend();
         return fit();
@@ -177,7 +208,9 @@ MatrixXd GaussianProcess::hessian(const VectorXd& x) const {
     const MatrixXd off = (points_.rowwise() - x.transpose()) * inverse.asDiagonal();
     MatrixXd H = off.transpose() * w.asDiagonal() * off;
     H.diagonal() -= w.sum() * inverse;
-    if (has_square()) H.diagonal().array() += 2 / (square_unit_ * square_unit_) * beta_[beta_.size() - 1];
+    const double twice = 2 / (square_unit_ * square_unit_);
+    if (has_square()) H.diagonal().array() += twice * beta_[first_square()];
+    if (has_form()) H += twice * beta_[first_square() + 1] * form_;
     Eigen::Index t = 1 + d;
     for (Eigen::Index j = 0; j < d && trend_ == Trend::quadratic; ++j)
         for (Eigen::Index k = j; k < d; ++k, ++t) {
@@ -223,7 +256,12 @@ double GaussianProcess::predicted_share() const {
     return all > 0 ? 1 - leave_one_out().error.squaredNorm() / all : 1;
 }
 
+void GaussianProcess::check_is_sum() const {
+    if (has_form()) throw InvalidInput("Gaussian process: a square_form is no sum of products of single coordinates");
+}
+
 VectorXd GaussianProcess::weights() const {
+    check_is_sum();
     const Eigen::Index terms = beta_.size() - has_square(), parts = square_about_.size();
     VectorXd w(terms + parts + alpha_.size());
     w << beta_.head(terms), VectorXd::Constant(parts, has_square() ? beta_[terms] : 0), alpha_;
@@ -231,6 +269,7 @@ VectorXd GaussianProcess::weights() const {
 }
 
 VectorXd GaussianProcess::factors(int coordinate, double x) const {
+    check_is_sum();
     const Eigen::Index d = points_.cols(), c = coordinate;
     const Eigen::Index terms = beta_.size() - has_square();
     VectorXd f = VectorXd::Ones(terms + square_about_.size() + alpha_.size());

@@ -24,6 +24,9 @@ struct GaussianProcessOptions {
     double min_nugget = 1e-10;  ///< in (0, 1); what noise there is beyond it is estimated
     /// One more term of a constant or linear trend, |x - this|^2: a curvature that all directions share. Empty: none.
     Eigen::VectorXd square_about = {};
+    /// d x d, symmetric: beside it (x - square_about).this (x - square_about), where the points tell them apart. Empty:
+    /// none.
+    Eigen::MatrixXd square_form = {};
 };
 
 /// What the likelihood decides.
@@ -66,9 +69,11 @@ public:
     double scale() const { return std_; }  ///< s; 0: the trend explains all values
     double noise() const;                  ///< standard deviation of repeated values
     int num_terms() const { return static_cast<int>(beta_.size()); }
+    bool has_form() const { return form_.size() > 0; }  ///< the trend has the term of `square_form`
 
     /// The mean as a sum of products of functions of one coordinate: weight(t) prod_j factor(j, x_j)(t), first the
     /// terms of the trend, the squared distance in parts for each coordinate, then one for each point.
+    /// @throws InvalidInput: `has_form()`, which couples coordinates.
     Eigen::VectorXd weights() const;
     Eigen::VectorXd factors(int coordinate, double x) const;
 
@@ -76,7 +81,12 @@ private:
     void check(const std::vector<int>& group) const;
     void choose_trend();
     void keep_constant_trend();
+    void check_is_sum() const;
+    void leave_out_form();
+    void evaluate_terms();  ///< H of the points
     bool has_square() const { return square_about_.size() > 0; }
+    Eigen::Index num_squares() const { return has_square() + has_form(); }
+    Eigen::Index first_square() const { return H_.cols() - num_squares(); }
     void fit();
     Eigen::VectorXd kernel_to(const Eigen::VectorXd& x) const;
     Eigen::VectorXd terms(const Eigen::VectorXd& x) const;
@@ -88,6 +98,7 @@ private:
     Trend trend_ = Trend::linear;
     Eigen::VectorXd centre_, unit_;  ///< of the trend's terms: they are of size 1
     Eigen::VectorXd square_about_;   ///< of the squared distance; empty: there is no such term
+    Eigen::MatrixXd form_;           ///< of a second one; empty: there is no such term
     double square_unit_ = 1;
     Kernel kernel_;
     double std_ = 0;

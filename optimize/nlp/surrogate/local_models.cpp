@@ -3,6 +3,7 @@
 #include "optimize/nlp/program/first_order.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 
 namespace strake {
@@ -17,12 +18,23 @@ constexpr int min_points_per_term = 4;
 /// With so many points a coordinate, and few coordinates, each has a length scale of its own.
 constexpr int points_per_length = 5;
 constexpr Eigen::Index max_lengths = 12, max_quadratic = 10;
+constexpr double min_curvature_share = 0.01;  ///< of its size that is not the metric's
 
 }  // namespace
 
 SampledPoints::SampledPoints(const Guard& guard) : program_(guard.program), free_(guard.free) {
     const MatrixXd metric = metric_of(program_);
     U_ = MatrixXd(metric(free_, free_)).llt().matrixU();
+    const MatrixXd& second = program_.second_curvature;
+    if (second.size() == 0 || dimensions() > max_variables_with_curvature) return;
+    const auto half_by_z = [&](const MatrixXd& of) -> MatrixXd {
+        return U_.triangularView<Eigen::Upper>().transpose().solve(of);
+    };
+    MatrixXd by_z = half_by_z(half_by_z(second(free_, free_)).transpose());
+    const double d = static_cast<double>(dimensions()), size = by_z.norm();
+    by_z.diagonal().array() -= by_z.trace() / d;
+    if (!(by_z.norm() > min_curvature_share * size)) return;
+    curvature_ = std::sqrt(d) / (2 * by_z.norm()) * (by_z + by_z.transpose());
 }
 
 VectorXd SampledPoints::whitened(const VectorXd& x) const {
@@ -81,7 +93,10 @@ LocalModels::LocalModels(const SampledPoints& points, const VectorXd& z, double 
     for (Eigen::Index i = 0; i < n; ++i) at.row(i) = points[used_[static_cast<std::size_t>(i)]].z;
     GaussianProcessOptions options;
     options.trend = d <= max_quadratic ? Trend::quadratic : Trend::linear;
-    if (shares_curvature) options.square_about = z;
+    if (shares_curvature) {
+        options.square_about = z;
+        options.square_form = points.curvature();
+    }
     const bool has_lengths = d <= max_lengths && n >= points_per_length * d;
     if (!has_lengths) options.group.assign(static_cast<std::size_t>(d), 0);
     for (Eigen::Index row = 0; row < points[0].values.size(); ++row) {
@@ -89,6 +104,10 @@ LocalModels::LocalModels(const SampledPoints& points, const VectorXd& z, double 
         for (Eigen::Index i = 0; i < n; ++i) values[i] = points[used_[static_cast<std::size_t>(i)]].values[row];
         rows_.emplace_back(at, values, options, before ? &(*before)[row].kernel() : nullptr);
     }
+}
+
+bool LocalModels::has_curvature() const {
+    return std::ranges::any_of(rows_, [](const GaussianProcess& row) { return row.has_form(); });
 }
 
 VectorXd LocalModels::means(const VectorXd& z) const {

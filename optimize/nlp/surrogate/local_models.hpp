@@ -24,6 +24,9 @@ public:
     Eigen::Index dimensions() const { return static_cast<Eigen::Index>(free_.size()); }
     const Eigen::MatrixXd& U() const { return U_; }
     const std::vector<int>& free() const { return free_; }
+    /// `NonlinearProgram::second_curvature` by z, without its mean (the metric has that), as large as the identity
+    /// (Frobenius). Empty: the program has none, the metric is all of it, or there are too many variables.
+    const Eigen::MatrixXd& curvature() const { return curvature_; }
 
     struct Point {
         Eigen::VectorXd x, z, values;  ///< the objective first
@@ -36,7 +39,7 @@ public:
 private:
     const NonlinearProgram& program_;
     const std::vector<int>& free_;
-    Eigen::MatrixXd U_;
+    Eigen::MatrixXd U_, curvature_;
     std::vector<Point> points_;
     std::vector<Eigen::VectorXd> failed_;
 };
@@ -46,14 +49,16 @@ class LocalModels {
 public:
     /// Of the points next to z. @param radius of the trust region: far beyond it points tell little.
     /// @param shares_curvature the trend has a curvature that all directions of z share: where the metric is right they
-    /// have the same, and few points tell it. @param before models of the step before, whose kernels are where the
-    /// search for the new ones begins; may be null.
+    /// have the same, and few points tell it; and that of `SampledPoints::curvature` beside it. @param before models of
+    /// the step before, whose kernels are where the search for the new ones begins; may be null.
     LocalModels(const SampledPoints& points, const Eigen::VectorXd& z, double radius, bool shares_curvature,
                 const LocalModels* before);
 
     const GaussianProcess& operator[](Eigen::Index row) const { return rows_[static_cast<std::size_t>(row)]; }
     Eigen::Index size() const { return static_cast<Eigen::Index>(rows_.size()); }
     const std::vector<int>& used() const { return used_; }  ///< numbers of the points
+    /// A trend has `SampledPoints::curvature`: slopes are not combinations of directions to points.
+    bool has_curvature() const;
     Eigen::VectorXd means(const Eigen::VectorXd& z) const;  ///< values, the objective first
     /// Takes the means at z for values there (kriging believer).
     void believe(const Eigen::VectorXd& z);

@@ -276,9 +276,10 @@ VectorXd model_minimum(const NonlinearProgram& program, const SampledPoints& poi
         how.gained_before += std::max(0.0, at.objective - inner.best.objective);  // so far
         return inner.best_x;
     };
+    const bool is_in_variables = region.is_in_variables || models.has_curvature();
     VectorXd z = from;
     std::vector<MetBound> met;  // few bounds are
-    for (int round = 0; round < bound_rounds && !region.is_in_variables; ++round) {
+    for (int round = 0; round < bound_rounds && !is_in_variables; ++round) {
         const KnownDirections directions(program, points, models, region, z, met);
         const VectorXd y = minimum(directions, z);
         z = directions.z(y);

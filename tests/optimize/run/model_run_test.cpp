@@ -266,6 +266,109 @@ TEST(ModelRun, FieldsRestWhereALongRunHasNoFinerOnes) {
     }
 }
 
+/// Octants, and two levels more: 16 and up to 32 patches.
+Problem with_fine_patches(int evaluations) {
+    Problem problem = with_fields(values_only(evaluations, 3));
+    const Points c = triangle_centroids(problem.surface);
+    auto& levels = problem.tree.levels;
+    for (const auto& [axis, half] : {std::pair{0, 0.45}, {1, 0.25}}) {
+        PatchLevel finer =
+            level_by(problem.surface, &levels.back(), [&](int t) { return std::abs(c(t, axis)) > half ? 1 : 0; });
+        levels.push_back(std::move(finer));
+    }
+    return problem;
+}
+
+/// Least mean square distance, vertex to vertex, to the surface with a bump that no smooth field makes.
+Problem with_bump(int evaluations) {
+    Problem problem = with_fine_patches(evaluations);
+    problem.constraints.clear();
+    Eigen::Index highest = 0;
+    problem.surface.vertices.col(2).maxCoeff(&highest);
+    const Eigen::RowVector3d top = problem.surface.vertices.row(highest);
+    Points target = problem.surface.vertices;
+    for (Eigen::Index v = 0; v < target.rows(); ++v)
+        target(v, 2) += 0.02 * std::exp(-(target.row(v) - top).squaredNorm() / 0.03);
+    Quantity distance = problem.quantities[0];
+    distance.names = {"distance"};
+    distance.evaluate = [target](const QuantityRequest& request) {
+        QuantityResult result;
+        result.values = {(request.surface.vertices - target).squaredNorm()};
+        return result;
+    };
+    problem.quantities = {distance};
+    problem.objective = "distance";
+    problem.maximize = false;
+    return problem;
+}
+
+/// Fields, few patches to see what these gain, and what follows from that. Shapes go on from level to level, and the
+/// order is that of every run of the case.
+TEST(ModelRun, ALongRunTriesPatchesBeforeFinerFields) {
+    struct Seen {
+        std::vector<long> fields;  ///< variables of each level
+        std::vector<int> patches;  ///< the same; 0: they rest
+        Told told;
+    };
+    const auto seen = [](Problem problem) {
+        Seen seen;
+        problem.optimize.batch = 4;
+        RunEvents events;
+        events.note = [&](const std::string& words) { seen.told.notes += words + "\n"; };
+        events.level = [&](const LevelStart& level) {
+            seen.fields.push_back(std::ranges::count(level.space.variables, VariableKind::field, &Variable::kind));
+            seen.patches.push_back(level.space.size() - static_cast<int>(seen.fields.back()));
+        };
+        seen.told.result = optimize(problem, events);
+        return seen;
+    };
+    for (const bool has_bump : {true, false}) {
+        const Problem problem = has_bump ? with_bump(200) : with_fine_patches(200);
+        const Seen found = seen(problem);
+        const RunResult& result = found.told.result;
+        const bool lead = found.told.notes.find("patches go first") != std::string::npos;
+        EXPECT_TRUE(lead || !has_bump) << found.told.notes;
+        const std::vector<long> fields = lead ? std::vector<long>{6, 0, 0, 12, 0} : std::vector<long>{6, 0, 12, 0};
+        ASSERT_EQ(found.fields, fields) << found.told.notes;
+        EXPECT_EQ(found.patches.front(), 0);
+        EXPECT_GT(found.patches[1], 0);
+        EXPECT_LE(found.patches[1], 24);
+        EXPECT_EQ(found.patches[fields.size() - 2], 0) << "patches rest where fields are by themselves";
+        EXPECT_GT(found.patches.back(), found.patches[1]);
+        for (std::size_t k = 1; k < result.levels.size(); ++k) {
+            EXPECT_LT(result.levels[k].inherited_shape_change, 1e-9) << k;
+            EXPECT_GT(result.levels[k].evaluations, 0) << k;
+        }
+        EXPECT_LE(result.evaluations, 200);
+        if (!has_bump) continue;
+        EXPECT_EQ(seen(problem).told.result.vertices, result.vertices) << "bit for bit";
+        Problem before = problem;
+        before.optimize.patches_last = true;
+        before.optimize.max_evaluations = 60;
+        EXPECT_EQ(seen(before).fields[1], 12) << "a run of before";
+    }
+}
+
+/// Values that fields had when they began to rest are within their ranges once they are variables again.
+TEST(ModelRun, FieldsThatRestedGoOnFromWhereTheyWere) {
+    const Problem problem = with_bump(200);
+    RunEvents events;
+    std::vector<double> carried, taken_up;  // the largest of each level
+    std::size_t back = 0;                   // where fields are variables again
+    events.level = [&](const LevelStart& level) {
+        const VectorXd& user = level.space.carried_user_values;
+        if (back == 0 && carried.size() > 1 && !level.space.fields.numbers.empty()) back = carried.size();
+        carried.push_back(user.size() > 0 ? user.cwiseAbs().maxCoeff() : 0);
+        taken_up.push_back(level.x.size() > 0 ? level.x.cwiseAbs().maxCoeff() : 0);
+    };
+    const RunResult result = optimize(problem, events);
+    ASSERT_GE(back, 2u);
+    EXPECT_GT(carried[1], 0) << "else this says nothing";
+    EXPECT_EQ(carried[back], 0);
+    EXPECT_GT(taken_up[back], 0);
+    EXPECT_LT(result.levels[back].inherited_shape_change, 1e-9);
+}
+
 TEST(ModelRun, ABudgetThatEndsWithTheFirstBatchIsTold) {
     EXPECT_NE(run(values_only(9))
                   .notes.find("a budget of 9 evaluations ends with the first (the start, and a batch of "

@@ -86,6 +86,42 @@ TEST(GaussianProcess, ACurvatureThatAllDirectionsShareIsKnownFromFewPoints) {
     EXPECT_NEAR(with.hessian(about).diagonal().mean(), 4, 0.2);
 }
 
+/// Two curvatures in unknown shares are known from fewer points than one direction after another would take.
+TEST(GaussianProcess, ASecondCurvatureIsKnownFromFewPoints) {
+    const Eigen::Index d = 12;
+    MatrixXd form = MatrixXd::Zero(d, d);
+    for (Eigen::Index j = 0; j < d; ++j) form(j, j) = j % 2 == 0 ? 1 : -1;
+    form(0, 3) = form(3, 0) = 0.5;
+    const VectorXd about = VectorXd::Constant(d, 0.4), slope = VectorXd::LinSpaced(d, -1, 1);
+    const auto f = [&](const VectorXd& x) {
+        const VectorXd off = x - about;
+        return slope.dot(off) + 3 * off.squaredNorm() - 2 * off.dot(form * off) + 5;
+    };
+    const MatrixXd points = sobol_points(0, 32, static_cast<int>(d));
+    const auto model_with = [&](const MatrixXd& square_form) {
+        return GaussianProcess(points, values_of(points, f),
+                               {.group = std::vector<int>(12, 0), .square_about = about, .square_form = square_form});
+    };
+    const auto error_of = [&](const GaussianProcess& model) {
+        const MatrixXd others = latin_hypercube(50, static_cast<int>(d), 5);
+        double worst = 0;
+        for (Eigen::Index i = 0; i < others.rows(); ++i)
+            worst = std::max(worst, std::abs(model.mean(others.row(i)) - f(others.row(i))));
+        return worst;
+    };
+    const GaussianProcess both = model_with(form), one = model_with({});
+    EXPECT_TRUE(both.has_form());
+    EXPECT_LT(error_of(both), 1e-6);
+    EXPECT_GT(error_of(one), 1e-2) << "the control";
+    const VectorXd x = VectorXd::Constant(d, 0.7);
+    EXPECT_LT((both.gradient(x) - (slope + 6 * (x - about) - 4 * form * (x - about))).norm(), 1e-5);
+    EXPECT_LT((both.hessian(x) - (6 * MatrixXd::Identity(d, d) - 4 * form)).norm(), 1e-4);
+    EXPECT_FALSE(model_with(MatrixXd::Identity(d, d)).has_form()) << "points do not tell it from the first one";
+    EXPECT_THROW(both.weights(), InvalidInput);
+    EXPECT_THROW(both.factors(0, 0.5), InvalidInput);
+    EXPECT_THROW(model_with(MatrixXd::Identity(2, 2)), InvalidInput);
+}
+
 TEST(GaussianProcess, DerivativesHaveSecondOrderRemainder) {
     for (const GaussianProcessOptions& options : all_trends()) {
         const Trend trend = options.trend;

@@ -25,7 +25,7 @@ private:
     enum class Stage { first, trial, patches, fields, both, as_the_tree };
 
     bool has_order() const;
-    /// At most so many variables have the tree's patches at this level, were all of them free; 0: other than loads.
+    /// Number of variables of the tree's patches at this level, were all of them free; 0: other than loads.
     int patch_variables(int level) const;
     /// The finest level of the tree with at most so many variables of patches; 0: there is none.
     int finest_with(int variables) const;

@@ -32,8 +32,8 @@ constexpr double held_share = 0.3;
 Eigen::MatrixXd response_metric(const DesignSpace& space, const Responses& responses);
 
 /// size() x size(), positive semidefinite: x.this.x is the mean square of the motion along the surface's normals, in
-/// units of the model squared, by the linear response at rest; zero for stiffness, which has none. Other tangential
-/// motion changes no smooth shape.
+/// units of the model squared, by the linear response at rest; zero for stiffness, which has none. Motion along a
+/// smooth surface does not change its shape.
 /// @pre all variables are of the shape
 Eigen::MatrixXd normal_motion(const DesignSpace& space);
 

@@ -52,7 +52,8 @@ void keep_meaning(Case& the_case, int meaning) {
                   since_curvature_is_shared = 11, since_wings_have_fields = 11, since_binding_is_tried = 12,
                   since_levels_must_move = 12, since_exact_limits_have_slopes = 13, since_long_runs_have_models = 14,
                   since_limits_are_met_together = 15, since_long_runs_begin_quickly = 16,
-                  since_minima_have_directions = 17, since_normals_are_curved = 18, since_patches_are_tried = 18;
+                  since_minima_have_directions = 17, since_normals_are_curved = 18, since_patches_are_tried = 18,
+                  since_models_have_wide_ranges = 19, since_equations_are_restored = 19, since_shapes_are_free = 19;
     for (WingEntry& wing : the_case.planform) {
         wing.keeps_outline = wing.keeps_outline && meaning >= since_outlines_are_kept;
         wing.rules = meaning < since_noses_are_corners_later ? WingRules::earlier
@@ -79,12 +80,15 @@ void keep_meaning(Case& the_case, int meaning) {
     the_case.optimize.keeps_ranges = meaning < since_ranges_widen;
     the_case.optimize.begins_with_narrow_ranges = meaning < since_ranges_begin_wide;
     the_case.optimize.begins_with_narrow_shell_ranges = meaning < since_shell_ranges_begin_wide;
+    the_case.optimize.models_begin_with_narrow_ranges = meaning < since_models_have_wide_ranges;
     the_case.optimize.trusts_long_steps = meaning < since_long_steps_are_asked;
     the_case.optimize.learns_as_before = meaning < since_curvature_is_shared;
     the_case.optimize.descends_as_before = meaning < since_levels_must_move;
     the_case.optimize.limits_by_models = meaning < since_exact_limits_have_slopes;
     the_case.optimize.limits_by_turns = meaning < since_limits_are_met_together;
     the_case.optimize.minima_in_variables = meaning < since_minima_have_directions;
+    the_case.optimize.leaves_equations = meaning < since_equations_are_restored;
+    the_case.optimize.pays_without_shape = meaning < since_shapes_are_free;
     the_case.optimize.one_curvature = meaning < since_normals_are_curved;
     the_case.optimize.patches_last = meaning < since_patches_are_tried;
     the_case.optimize.long_runs_by_differences = meaning < since_long_runs_have_models;

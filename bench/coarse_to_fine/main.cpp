@@ -30,7 +30,8 @@ struct Settings {
     double min_expected_gain = OptimizeOptions().min_expected_gain;
     std::vector<int> fields;
     bool values_only = false, by_program = false, limits_by_models = false, limits_by_turns = false,
-         minima_in_variables = false, one_curvature = false, patches_last = false;
+         minima_in_variables = false, one_curvature = false, patches_last = false, narrow_ranges = false,
+         leaves_equations = false, pays_without_shape = false;
     double motion_limit = 1;
     double noise = 0, failures = 0;
     int batch = OptimizeOptions().batch;
@@ -144,6 +145,9 @@ void run_problem(const std::string& name, const Settings& settings) {
     problem.problem.optimize.minima_in_variables = settings.minima_in_variables;
     problem.problem.optimize.one_curvature = settings.one_curvature;
     problem.problem.optimize.patches_last = settings.patches_last;
+    problem.problem.optimize.models_begin_with_narrow_ranges = settings.narrow_ranges;
+    problem.problem.optimize.leaves_equations = settings.leaves_equations;
+    problem.problem.optimize.pays_without_shape = settings.pays_without_shape;
     const std::filesystem::path folder = settings.out;
     for (const Solver solver : all_solvers())
         for (const Method method : methods_of(problem)) {
@@ -193,6 +197,12 @@ void add_earlier_ways(CLI::App& app, Settings& settings) {
                  "models of patches alone have the metric's curvature only, as in earlier runs");
     app.add_flag("--patches-last", settings.patches_last,
                  "long runs by models have patches beside finer fields, as in earlier runs");
+    app.add_flag("--narrow-ranges", settings.narrow_ranges,
+                 "model searches in the ranges of what each variable may do alone, as in earlier runs");
+    app.add_flag("--leaves-equations", settings.leaves_equations,
+                 "nothing leads model back to equations, as in earlier runs");
+    app.add_flag("--pays-without-shape", settings.pays_without_shape,
+                 "model evaluates designs that have no valid shape, as in earlier runs");
 }
 
 }  // namespace

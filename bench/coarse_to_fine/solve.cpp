@@ -380,6 +380,8 @@ void run_comparator(const EvidenceProblem& evidence, const ComparedMotion& motio
     how.limits_by_models = options.limits_by_models;
     how.limits_by_turns = options.limits_by_turns;
     how.minima_in_variables = options.minima_in_variables;
+    how.leaves_equations = options.leaves_equations;
+    how.pays_without_shape = options.pays_without_shape;
     if (!how.limits_by_models)
         for (int j = motion.size(); j < result.variables; ++j) how.first_alone.push_back(j);
     how.on_step = [&](const MinimizeStep&) { return !tracer.has_enough(); };

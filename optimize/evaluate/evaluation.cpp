@@ -93,6 +93,14 @@ bool ShapeEvaluator::has_shape(const Eigen::VectorXd& x) {
     }
 }
 
+bool ShapeEvaluator::is_invalid(const Eigen::VectorXd& x) {
+    try {
+        return solver_.is_invalid(x);
+    } catch (const Interrupted&) {
+        queue_.interrupt();
+    }
+}
+
 bool ShapeEvaluator::is_beyond(const Eigen::VectorXd& x, double slack) {
     ShapeEvaluation shape;
     return !solver_.limit().is_none() && solver_.settle(x, shape) &&

@@ -222,10 +222,18 @@ bool ShapeSolver::is_valid(const Eigen::VectorXd& x, ShapeEvaluation& result) {
     return false;
 }
 
+bool ShapeSolver::is_refused(const Points& settled) {
+    return !defect().empty() || !(limit_.is_none() || limit_.excess(beside_planform(settled)).empty());
+}
+
 bool ShapeSolver::has_shape(const Eigen::VectorXd& x) {
     ShapeEvaluation shape;
-    return no_datum_.empty() && settle(x, shape) && defect().empty() &&
-           (limit_.is_none() || limit_.excess(beside_planform(shape.vertices)).empty());
+    return no_datum_.empty() && settle(x, shape) && !is_refused(shape.vertices);
+}
+
+bool ShapeSolver::is_invalid(const Eigen::VectorXd& x) {
+    ShapeEvaluation shape;
+    return no_datum_.empty() && settle(x, shape) && is_refused(shape.vertices);
 }
 
 bool ShapeSolver::deform(const Eigen::VectorXd& x, ShapeEvaluation& result) {

@@ -24,7 +24,7 @@ struct RunLimits {
 };
 
 /// Of runs that begin now; the first is 1.
-constexpr int latest_meaning = 18;
+constexpr int latest_meaning = 19;
 inline int meaning_of(const std::string& written) {
     for (int meaning = 1; meaning < latest_meaning; ++meaning)
         if (written == std::to_string(meaning)) return meaning;
@@ -61,7 +61,9 @@ struct JournalFacts {
     /// a shorter first level, and levels of patches alone (`OptimizeOptions::begins_slowly`); 17: minima of models are
     /// looked for in the directions that their points tell of (`MinimizeOptions::minima_in_variables`); 18: models of
     /// patches alone have a second curvature (`OptimizeOptions::one_curvature`), and long runs by models try patches
-    /// before finer fields (`OptimizeOptions::patches_last`).
+    /// before finer fields (`OptimizeOptions::patches_last`); 19: searches by models begin with wide ranges, too
+    /// (`OptimizeOptions::models_begin_with_narrow_ranges`), lead back to equations (`leaves_equations`), and do not
+    /// pay for designs that have no valid shape (`pays_without_shape`).
     int meaning = latest_meaning;
     std::vector<std::string> values, parameters;  ///< names of the values and of the parameters
     std::map<std::string, std::string> files;     ///< hash of each file that the case names

@@ -174,6 +174,7 @@ struct OptimizeOptions {
     /// The meaning of earlier runs: without a shell, too, a level begins with what a variable may do alone.
     bool begins_with_narrow_ranges = false;
     bool begins_with_narrow_shell_ranges = false;  ///< the same with a shell
+    bool models_begin_with_narrow_ranges = false;  ///< the same of searches by models
     bool trusts_long_steps = false;                ///< the meaning of earlier runs: `MinimizeOptions`
     /// The meaning of earlier runs: `MinimizeOptions`; all levels by `model` have the same share of the budget; levels
     /// by differences never begin with it, and a group of variables joins from a third of the other's promise on.
@@ -185,6 +186,8 @@ struct OptimizeOptions {
     bool limits_by_models = false;     ///< the meaning of earlier runs: `MinimizeOptions`
     bool limits_by_turns = false;      ///< the same
     bool minima_in_variables = false;  ///< the same
+    bool leaves_equations = false;     ///< the same
+    bool pays_without_shape = false;   ///< the same
     /// The meaning of earlier runs: models of patches alone have the metric's curvature, not that of motions along
     /// normals beside it (`NonlinearProgram::second_curvature`).
     bool one_curvature = false;

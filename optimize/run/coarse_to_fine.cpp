@@ -49,10 +49,7 @@ public:
           budget_(state_, program_),
           order_(state_, budget_) {
         state_.evaluator.take_over_values();
-        const OptimizeOptions& options = problem.optimize;
-        const bool are_narrow =
-            problem.has_shell ? options.begins_with_narrow_shell_ranges : options.begins_with_narrow_ranges;
-        state_.begins_with_wide_ranges = options.method == Method::sqp && !are_narrow;
+        state_.begins_with_wide_ranges = begins_with_wide_ranges(problem);
     }
 
     RunResult run() {
@@ -211,7 +208,9 @@ private:
 
     /// The metric, in which 1 is a reasonable step, takes what one variable may do alone for reasonable.
     double max_step() const {
-        return widened_ * std::min(state_.range_ratio, max_range_ratio) * MinimizeOptions().max_step;
+        const bool is_model = state_.problem.optimize.method == Method::model;
+        const double ratio = is_model ? 1 : std::min(state_.range_ratio, max_range_ratio);
+        return widened_ * ratio * MinimizeOptions().max_step;
     }
 
     bool may_continue(const MinimizeResult& level) const {
@@ -361,6 +360,8 @@ private:
         how.limits_by_models = options.limits_by_models;
         how.limits_by_turns = options.limits_by_turns;
         how.minima_in_variables = options.minima_in_variables;
+        how.leaves_equations = options.leaves_equations;
+        how.pays_without_shape = options.pays_without_shape;
         how.step_tolerance = options.step_tolerance;
         how.scope = text(" of level ", state_.space.level);
         how.evaluations_before = spent_;

@@ -179,6 +179,7 @@ const NonlinearProgram& LevelProgram::enter(const Eigen::VectorXd& start, bool i
         program_.differences = differences;
     }
     program_.is_defined = [this](const Eigen::VectorXd& y) { return state_.evaluator.has_shape(unscaled(y)); };
+    program_.is_refused = [this](const Eigen::VectorXd& y) { return state_.evaluator.is_invalid(unscaled(y)); };
     limit_motion();
     add_cheap_program();
     if (learns()) program_.known = [this] { return known_points(); };

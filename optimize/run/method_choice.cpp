@@ -67,6 +67,14 @@ bool is_long_with_fields(const Problem& problem, int budget) {
            variables <= max_variables_by_models && budget >= min_gradients * (variables + 1);
 }
 
+bool begins_with_wide_ranges(const Problem& problem) {
+    const OptimizeOptions& options = problem.optimize;
+    if (options.method == Method::model) return !options.models_begin_with_narrow_ranges;
+    const bool are_narrow =
+        problem.has_shell ? options.begins_with_narrow_shell_ranges : options.begins_with_narrow_ranges;
+    return options.method == Method::sqp && !are_narrow;
+}
+
 MethodChoice choose_method(const Problem& problem, int budget) {
     MethodChoice choice;
     if (problem.optimize.finite_differences) return choice;  // stated

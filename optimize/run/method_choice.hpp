@@ -41,4 +41,8 @@ inline constexpr int max_variables_by_models = 100;
 /// (`MinimizeOptions::tries_in_order`).
 bool is_long_with_fields(const Problem& problem, int budget);
 
+/// Ranges of variables under the motion limit are what they may do together (`widen_to_limit`): of sqp and model. Else
+/// what each may do alone.
+bool begins_with_wide_ranges(const Problem& problem);
+
 }  // namespace strake

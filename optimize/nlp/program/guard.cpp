@@ -113,6 +113,17 @@ bool Guard::is_defined(const Eigen::VectorXd& x) {
     }
 }
 
+bool Guard::is_refused(const Eigen::VectorXd& x) {
+    if (!program.is_refused || cause != StopCause::none) return false;
+    try {
+        return program.is_refused(x);
+    } catch (...) {
+        exception = std::current_exception();
+        cause = StopCause::exception;
+        return false;
+    }
+}
+
 StepLimits Guard::beyond(const Eigen::VectorXd& from, const Eigen::VectorXd& to) {
     if (!program.beyond || cause != StopCause::none) return {};
     try {

@@ -43,6 +43,10 @@ struct MinimizeOptions {
     /// The meaning of earlier runs, of `model`: minima of models are looked for in all variables, not in the directions
     /// that their points tell of.
     bool minima_in_variables = false;
+    /// The meaning of earlier runs, of `model`: nothing leads back to equations that the search has left.
+    bool leaves_equations = false;
+    /// The same: designs whose surface is not valid are evaluated where no shorter step has one that is.
+    bool pays_without_shape = false;
     /// sqp: the damping of a step that is too long is found by secants, not by bisection: where evaluations cost less
     /// than solving for a step.
     bool damps_by_secants = false;

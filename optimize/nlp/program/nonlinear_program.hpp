@@ -100,6 +100,8 @@ struct NonlinearProgram {
     std::function<Eigen::VectorXd(const Eigen::VectorXd& x)> within;
     /// False: `evaluate` fails at x, which is told without what is expensive. May be empty. Used by model.
     std::function<bool(const Eigen::VectorXd& x)> is_defined;
+    /// True: `evaluate` fails at x on whatever way it is reached. May be empty. Used by model.
+    std::function<bool(const Eigen::VectorXd& x)> is_refused;
     /// Of a step to a point beyond such a limit: conditions on steps from where it begins, which is within. No rows:
     /// the step ends within. May be empty. Used by sqp and model.
     std::function<StepLimits(const Eigen::VectorXd& from, const Eigen::VectorXd& to)> beyond;

@@ -3,6 +3,7 @@
 #include "core/error.hpp"
 #include "optimize/nlp/program/first_order.hpp"
 #include "optimize/nlp/surrogate/allowed_minimum.hpp"
+#include "optimize/nlp/surrogate/restored_design.hpp"
 #include "optimize/nlp/surrogate/spread.hpp"
 
 #include <Eigen/Eigenvalues>
@@ -37,12 +38,16 @@ constexpr double kept_length = 0.5;      ///< of a step that exact limits shorte
 constexpr double min_length_left = 0.1;  ///< what they leave less of goes on as it was: there is nothing to learn
 constexpr double min_curvature = 0.1;    ///< of the mean: what the models do not know bends at least so
 constexpr double visible_noise = 1e-3;   ///< of the model's scale: with more, means tell where the best point is
+constexpr int restoration_period = 8;    ///< evaluations of which one leads back to equations
+constexpr int last_restorations = 2;     ///< at the end: each leaves some percent of what is missed
+constexpr double visible_deviations = 2;
 
 /// A point of a batch, and what the models expect there.
 struct Proposal {
     VectorXd x, z;
     double radius = 0;
-    VectorXd expected;  ///< values; empty before the first models
+    VectorXd expected;      ///< values; empty before the first models
+    bool restores = false;  ///< leads back to equations, and says nothing of the trust region
 };
 
 class ModelSearch {
@@ -56,6 +61,7 @@ public:
         region_.margin = VectorXd::Zero(guard.program.num_inequalities);
         region_.offset = VectorXd::Zero(guard.program.num_inequalities + guard.program.num_equalities);
         region_.is_in_variables = guard.options.minima_in_variables;
+        restores_ = !guard.options.leaves_equations && has_equations_to_learn();
     }
 
     ModelEnd run() {
@@ -64,6 +70,8 @@ public:
         directions_ = spread_directions();
         while (!has_ended_) step();
         end_.radius = radius_;
+        if (without_shape_ > 0)
+            guard_.report_event(text(without_shape_, " proposed designs had no valid shape and were not evaluated"));
         if (models_) end_.noise = (*models_)[0].noise();
         if (models_ && centre().values.allFinite()) tell_slopes();
         return end_;
@@ -179,6 +187,7 @@ private:
         region_.centre = centre().z;
         region_.cut = border_cut();
         look_at_limits();
+        refused_ = 0;
         const std::vector<Proposal> batch = models_ ? propose() : first_batch();
         if (!ends_here(batch)) evaluate(batch);
     }
@@ -246,7 +255,13 @@ private:
         return classifier->cut(centre().x, 0);
     }
 
-    int places() const { return std::max(0, std::min(guard_.options.batch, guard_.limit - guard_.evaluations)); }
+    int left() const { return guard_.limit - guard_.evaluations; }
+    int left_for_batches() const {
+        return restores_ && left() > last_restorations ? left() - last_restorations : left();
+    }
+    int places() const { return std::max(0, std::min(guard_.options.batch, left_for_batches())); }
+    /// The last batch has nothing to learn for.
+    bool is_last_batch() const { return left_for_batches() <= guard_.options.batch; }
     VectorXd next_direction() { return directions_.col(used_directions_++ % directions_.cols()); }
 
     /// Nothing is known but the start: points around it.
@@ -290,20 +305,69 @@ private:
     bool knows_slopes() const { return allowed_.knows_slopes(); }
 
     int exploiting() const {
-        // The last batch has nothing to learn for.
-        if (guard_.limit - guard_.evaluations <= guard_.options.batch) return guard_.options.batch;
+        if (is_last_batch()) return guard_.options.batch;
         const auto terms = static_cast<int>(points_.dimensions()) + 1;
         const double share = exploiting_shares[std::min(points_.size() / terms, 2)];
         return std::max(1, static_cast<int>(std::lround(share * guard_.options.batch)));
     }
 
-    std::vector<Proposal> propose() {
-        LocalModels models = *models_;
+    /// Equations that only values tell.
+    bool has_equations_to_learn() const {
+        const Eigen::Index first = program().num_inequalities;
+        for (Eigen::Index i = first; i < first + program().num_equalities; ++i)
+            if (guard_.options.limits_by_models || !known().has(i)) return true;
+        return false;
+    }
+
+    /// Where the search stands. By more than noise, unless nothing comes after.
+    bool misses_equations(bool counts_noise) const {
+        if (!restores_) return false;
+        const VectorXd& values = centre().values;
+        for (Eigen::Index i = program().num_inequalities + 1; i < values.size(); ++i) {
+            const double noise = counts_noise ? visible_deviations * (*models_)[i].noise() : 0;
+            if (std::abs(values[i]) > std::max(guard_.options.constraint_tolerance, noise)) return true;
+        }
+        return false;
+    }
+
+    void add_restored(std::vector<Proposal>& batch) {
+        const std::size_t before = batch.size();
+        const VectorXd there = restored(program(), points_.free(), centre().x, differentiated(), radius_, allowed_);
+        if (guard_.cause == StopCause::none && !region_.is_beyond_border(there)) add(batch, there, radius_);
+        if (batch.size() > before) batch.back().restores = true;
+    }
+
+    /// The search would end: it leads back to equations first.
+    bool leads_back() {
+        if (final_restorations_ >= last_restorations || left() <= 0 || !misses_equations(false)) return false;
+        ++final_restorations_;
         std::vector<Proposal> batch;
+        add_restored(batch);
+        if (batch.empty()) return false;
+        evaluate(batch);
+        return true;
+    }
+
+    std::vector<Proposal> propose() {
+        std::vector<Proposal> batch;
+        const bool is_at_end = left() <= last_restorations;
+        const bool is_due = left() > 0 && misses_equations(!is_at_end) &&
+                            (is_at_end || guard_.evaluations - restored_at_ >= restoration_period);
+        if (!is_at_end) propose_minima(batch, is_due ? places() - 1 : places());
+        if (is_due) {
+            restored_at_ = guard_.evaluations;
+            add_restored(batch);
+        }
+        if (batch.empty()) propose_minima(batch, places());
+        return batch;
+    }
+
+    void propose_minima(std::vector<Proposal>& batch, int places) {
+        LocalModels models = *models_;
         const int minima = exploiting();
-        const bool is_last = guard_.limit - guard_.evaluations <= guard_.options.batch;
+        const bool is_last = is_last_batch();
         const VectorXd margin = region_.margin;
-        for (int k = 0; k < places() && guard_.cause == StopCause::none; ++k) {
+        for (int k = 0; k < places && guard_.cause == StopCause::none; ++k) {
             const bool exploits = k < minima;
             region_.radius =
                 radius_ * (exploits ? exploiting_radii[static_cast<std::size_t>(k) % std::size(exploiting_radii)]
@@ -317,7 +381,6 @@ private:
             if (is_last) keep_distance(batch);
         }
         region_.margin = margin;
-        return batch;
     }
 
     /// Nothing comes after this batch to go back from a constraint that is missed by a little: one point after another
@@ -331,10 +394,23 @@ private:
         }
     }
 
+    /// Then it is a failure that costs nothing.
+    bool has_no_shape(const AllowedDesigns::Shape& there) {
+        if (!there.is_shortened || guard_.options.pays_without_shape || !guard_.is_refused(there.x)) return false;
+        Evaluation at;
+        at.failure = guard_.failure = "the surface has no valid shape there";
+        points_.add(there.x, at);
+        guard_.border.add_failed(there.x);
+        ++without_shape_, ++refused_;
+        return true;
+    }
+
     /// Where it is evaluated, unless that is known.
     void add(std::vector<Proposal>& batch, const VectorXd& asked, double radius) {
-        const VectorXd x = allowed_.has_turns() ? guard_.inside(asked) : allowed_.with_shape(asked).x;
-        if (guard_.cause != StopCause::none) return;
+        const AllowedDesigns::Shape there =
+            allowed_.has_turns() ? AllowedDesigns::Shape{guard_.inside(asked)} : allowed_.with_shape(asked);
+        if (guard_.cause != StopCause::none || has_no_shape(there)) return;
+        const VectorXd& x = there.x;
         Proposal p{x, points_.whitened(x), radius, {}};
         const double least = min_distance * radius_;
         if (points_.knows(p.z, least)) return;
@@ -356,14 +432,16 @@ private:
                                 : end(MinimizeStop::converged, "the radius of the trust region is below the tolerance");
         if (batch.empty()) {
             radius_ *= 0.5;
+            if (refused_ > 0) failing_ = std::max(failing_, 1);
             return true;
         }
-        if (!models_) return false;
+        if (!models_ || batch[0].restores) return false;
         const double expected = merit(centre().values) - merit(batch[0].expected);
         const double floor = std::max(guard_.decrease_tolerance(centre().values[0]), 0.1 * (*models_)[0].noise());
         const bool knows_enough = points_.size() > points_.dimensions() + 1;
         idle_ = expected > floor || !knows_enough ? 0 : idle_ + 1;
         if (idle_ <= idle_steps) return false;
+        if (leads_back()) return true;
         if (region_.cut) return ends_at_border();
         return end(MinimizeStop::converged, "the models expect a decrease below the tolerance");
     }
@@ -417,7 +495,7 @@ private:
             return;
         }
         failing_ = 2 * failed > static_cast<int>(batch.size()) && best == before ? failing_ + 1 : 0;
-        if (models_) resize(before - best, before - merit(batch[0].expected), length);
+        if (models_ && !batch[0].restores) resize(before - best, before - merit(batch[0].expected), length);
         if (failing_ > guard_.options.max_shrinks)
             end(MinimizeStop::no_valid_step, text("evaluations fail however short the step (", guard_.failure, ")"));
     }
@@ -467,6 +545,8 @@ private:
     std::unique_ptr<LocalModels> models_;
     double penalty_ = 0;
     int centre_ = 0, idle_ = 0, failing_ = 0, forgotten_borders_ = 0;
+    bool restores_ = false;  ///< leads back to equations
+    int restored_at_ = 0, final_restorations_ = 0, without_shape_ = 0, refused_ = 0;
     ModelEnd end_;
     bool has_ended_ = false;
 };

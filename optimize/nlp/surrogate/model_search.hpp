@@ -10,6 +10,8 @@
 /// constraints in trust regions of several radii, then minima of its lower confidence bound. A batch is evaluated
 /// whole, and its answers are used in the order of proposal: results depend on `MinimizeOptions::batch`, never on how
 /// many evaluations run at the same time. Steps stay on the side of a learned border of failures (failure_border.hpp).
+/// Proposals that the program refuses without evaluating them are failures that cost nothing. Where there are equations
+/// that only values tell, one of eight evaluations, and the last ones, lead back to them.
 namespace strake {
 
 struct ModelEnd {

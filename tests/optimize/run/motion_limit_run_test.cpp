@@ -126,6 +126,31 @@ TEST(MotionLimitRun, ReachesTheKnownOptimumOnTheBall) {
     }
 }
 
+/// Even pressure hardly moves a closed body: what its patches may do together is much more than each may do alone.
+TEST(MotionLimitRun, SearchesByModelsUseWhatVariablesMayDoTogether) {
+    Problem problem = more_volume(2, 0.01);
+    const RunResult exact = optimize(problem);
+    problem.quantities[0].has_sensitivities = false;
+    problem.optimize.method = Method::model;
+    const auto seen = watch(problem, problem.surface.vertices);
+    for (const bool is_narrow : {false, true}) {
+        problem.optimize.models_begin_with_narrow_ranges = is_narrow;
+        RunEvents events;
+        double widest = 0;  // of the first level: what is inherited widens others
+        events.level = [&](const LevelStart& level) {
+            if (widest == 0) widest = level.space.upper.maxCoeff();
+        };
+        const RunResult r = optimize(problem, events);
+        EXPECT_LE(seen->farthest, 0.01 * (1 + 1e-9)) << r.reason;
+        EXPECT_GT(r.objective - r.objective_start, 0.9 * (exact.objective - exact.objective_start)) << r.reason;
+        if (is_narrow) {
+            EXPECT_EQ(widest, 1);
+        } else {
+            EXPECT_GT(widest, 2);
+        }
+    }
+}
+
 /// What a user variable may do alone is no licence to leave the limit of the surface.
 TEST(MotionLimitRun, AVariableWithAWiderLimitOfItsOwnStaysWithin) {
     constexpr double limit = 0.01;

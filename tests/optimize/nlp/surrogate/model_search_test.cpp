@@ -278,7 +278,9 @@ TEST(ModelSearch, WhatIsKnownExactlyIsMet) {
     int cheap_evaluations = 0;
     p.evaluate = [=, inner = long_bowl(6).evaluate](const VectorXd& x) { return with_volume(inner(x), x); };
     const double start = p.evaluate(p.start).objective;
-    EXPECT_DOUBLE_EQ(minimize(p, few(30)).best.objective, start) << "else it shows nothing";
+    MinimizeOptions how = few(30);
+    how.leaves_equations = true;  // those that values tell
+    EXPECT_DOUBLE_EQ(minimize(p, how).best.objective, start) << "else it shows nothing";
     NonlinearProgram cheap = p;
     cheap.evaluate = [&](const VectorXd& x) {
         ++cheap_evaluations;
@@ -288,13 +290,13 @@ TEST(ModelSearch, WhatIsKnownExactlyIsMet) {
     };
     p.low_fidelity = LowFidelity{
         std::make_shared<const NonlinearProgram>(cheap), {LowFidelityValue::none, LowFidelityValue::same}, nullptr};
-    const MinimizeResult r = minimize(p, few(30));
+    const MinimizeResult r = minimize(p, how);
     EXPECT_TRUE(r.is_feasible);
     EXPECT_LT(r.best.objective, 0.7 * start) << start;
     EXPECT_EQ(r.evaluations, 30);
     EXPECT_GT(cheap_evaluations, 0);
     p.low_fidelity->values[1] = LowFidelityValue::approximate;
-    EXPECT_DOUBLE_EQ(minimize(p, few(30)).best.objective, start) << "another value is none that is known";
+    EXPECT_DOUBLE_EQ(minimize(p, how).best.objective, start) << "another value is none that is known";
 }
 
 /// As a wing that may be no thinner at many places, all of them at their limit at the start: along the models' slopes,
@@ -465,6 +467,51 @@ TEST(ModelSearch, TheLastBatchMeetsAConstraintThatModelsTell) {
         minimize(p, few(evaluations));
         EXPECT_TRUE(is_met_at_the_end) << evaluations;
     }
+}
+
+/// A curved equation that only values tell, to 1e-6: the search leaves it by what its models err by, and leads back.
+TEST(ModelSearch, EquationsAreMetWhileTheSearchGains) {
+    constexpr int n = 20;
+    NonlinearProgram p = long_bowl(n);
+    p.num_equalities = 1;
+    p.evaluate = [inner = p.evaluate](const VectorXd& x) {
+        Evaluation at = inner(x);
+        at.constraints = vec({x.sum() + std::sin(x.squaredNorm()) - 0.1 * x[0] * x[1]});
+        return at;
+    };
+    Evaluation start = p.evaluate(p.start);
+    for (const int batch : {1, 8}) {
+        MinimizeOptions how = few(80, batch);
+        const MinimizeResult r = minimize(p, how);
+        EXPECT_TRUE(r.is_feasible);
+        EXPECT_LT(r.best.objective, 0.7 * start.objective) << batch << ": " << r.reason;
+        EXPECT_LE(r.evaluations, 80);
+        if (batch == 1) continue;  // one after another they come near to it by themselves
+        how.leaves_equations = true;
+        EXPECT_EQ(minimize(p, how).best.objective, start.objective) << "else this says nothing";
+    }
+}
+
+/// Half of the space has no shape, the bottom of the bowl is there, and the search goes along the border.
+TEST(ModelSearch, DesignsWithoutAShapeAreNotEvaluated) {
+    NonlinearProgram p = long_bowl(6);
+    int failed = 0;
+    const auto has_shape = [](const VectorXd& x) { return x[0] - x[1] <= 0.3; };
+    p.is_defined = has_shape;
+    p.is_refused = [has_shape](const VectorXd& x) { return !has_shape(x); };
+    p.evaluate = [&failed, has_shape, inner = p.evaluate](const VectorXd& x) {
+        Evaluation at = inner(x);
+        if (!has_shape(x)) at.failure = "no shape", ++failed;
+        return at;
+    };
+    MinimizeOptions how = few(120);
+    const MinimizeResult r = minimize(p, how);
+    EXPECT_EQ(failed, 0);
+    EXPECT_LE(r.evaluations, 120);
+    how.pays_without_shape = true;
+    const MinimizeResult before = minimize(p, how);
+    EXPECT_GT(failed, 0) << "else this says nothing";
+    EXPECT_LT(r.best.objective, before.best.objective + 1e-3 * std::abs(before.best.objective));
 }
 
 TEST(ModelSearch, FewerEvaluationsThanVariablesStillGain) {

@@ -19,6 +19,26 @@ namespace {
 using namespace strake;
 using namespace strake::evidence;
 
+/// What earlier runs did.
+struct EarlierWay {
+    const char* flag;
+    bool OptimizeOptions::*option;
+    const char* words;
+};
+constexpr EarlierWay earlier_ways[] = {
+    {"--limits-by-models", &OptimizeOptions::limits_by_models,
+     "model meets limits that are known along the slopes of its models"},
+    {"--limits-by-turns", &OptimizeOptions::limits_by_turns,
+     "model meets limits that are known and the motion limit by turns"},
+    {"--minima-in-variables", &OptimizeOptions::minima_in_variables,
+     "model looks for minima of its models in all variables"},
+    {"--one-curvature", &OptimizeOptions::one_curvature, "models of patches alone have the metric's curvature only"},
+    {"--patches-last", &OptimizeOptions::patches_last, "long runs by models have patches beside finer fields"},
+    {"--narrow-ranges", &OptimizeOptions::models_begin_with_narrow_ranges,
+     "model searches in the ranges of what each variable may do alone"},
+    {"--leaves-equations", &OptimizeOptions::leaves_equations, "nothing leads model back to equations"},
+    {"--pays-without-shape", &OptimizeOptions::pays_without_shape, "model evaluates designs that have no valid shape"}};
+
 struct Settings {
     std::vector<std::string> problems = problem_names();
     std::vector<std::string> solvers;
@@ -29,9 +49,8 @@ struct Settings {
     LevelStartHessian level_start = LevelStartHessian::carried;
     double min_expected_gain = OptimizeOptions().min_expected_gain;
     std::vector<int> fields;
-    bool values_only = false, by_program = false, limits_by_models = false, limits_by_turns = false,
-         minima_in_variables = false, one_curvature = false, patches_last = false, narrow_ranges = false,
-         leaves_equations = false, pays_without_shape = false;
+    bool values_only = false, by_program = false;
+    OptimizeOptions earlier;  ///< `earlier_ways`
     double motion_limit = 1;
     double noise = 0, failures = 0;
     int batch = OptimizeOptions().batch;
@@ -140,14 +159,7 @@ void run_problem(const std::string& name, const Settings& settings) {
     if (!settings.fields.empty()) problem = with_displacement_fields(problem, settings.fields);
     if (settings.values_only) problem = without_gradients(problem);
     if (settings.by_program) problem = with_objective_by_program(problem);
-    problem.problem.optimize.limits_by_models = settings.limits_by_models;
-    problem.problem.optimize.limits_by_turns = settings.limits_by_turns;
-    problem.problem.optimize.minima_in_variables = settings.minima_in_variables;
-    problem.problem.optimize.one_curvature = settings.one_curvature;
-    problem.problem.optimize.patches_last = settings.patches_last;
-    problem.problem.optimize.models_begin_with_narrow_ranges = settings.narrow_ranges;
-    problem.problem.optimize.leaves_equations = settings.leaves_equations;
-    problem.problem.optimize.pays_without_shape = settings.pays_without_shape;
+    for (const EarlierWay& way : earlier_ways) problem.problem.optimize.*way.option = settings.earlier.*way.option;
     const std::filesystem::path folder = settings.out;
     for (const Solver solver : all_solvers())
         for (const Method method : methods_of(problem)) {
@@ -183,26 +195,6 @@ std::vector<std::string> all_names() {
     std::vector<std::string> names = problem_names();
     names.insert(names.end(), physical_names().begin(), physical_names().end());
     return names;
-}
-
-/// What earlier runs did.
-void add_earlier_ways(CLI::App& app, Settings& settings) {
-    app.add_flag("--limits-by-models", settings.limits_by_models,
-                 "model meets limits that are known along the slopes of its models, as in earlier runs");
-    app.add_flag("--limits-by-turns", settings.limits_by_turns,
-                 "model meets limits that are known and the motion limit by turns, as in earlier runs");
-    app.add_flag("--minima-in-variables", settings.minima_in_variables,
-                 "model looks for minima of its models in all variables, as in earlier runs");
-    app.add_flag("--one-curvature", settings.one_curvature,
-                 "models of patches alone have the metric's curvature only, as in earlier runs");
-    app.add_flag("--patches-last", settings.patches_last,
-                 "long runs by models have patches beside finer fields, as in earlier runs");
-    app.add_flag("--narrow-ranges", settings.narrow_ranges,
-                 "model searches in the ranges of what each variable may do alone, as in earlier runs");
-    app.add_flag("--leaves-equations", settings.leaves_equations,
-                 "nothing leads model back to equations, as in earlier runs");
-    app.add_flag("--pays-without-shape", settings.pays_without_shape,
-                 "model evaluates designs that have no valid shape, as in earlier runs");
 }
 
 }  // namespace
@@ -248,7 +240,8 @@ int main(int argc, char** argv) {
         "no gradients: sqp by differences, which count as evaluations, model, cobyla, and bobyqa without constraints");
     app.add_flag("--by-program", settings.by_program,
                  "the same for the objective alone, as if a flow solver told it; limits are known, with gradients");
-    add_earlier_ways(app, settings);
+    for (const EarlierWay& way : earlier_ways)
+        app.add_flag(way.flag, settings.earlier.*way.option, text(way.words, ", as in earlier runs"));
     app.add_option("--motion-limit", settings.motion_limit, "share of the problems' own")
         ->check(CLI::Range(0.01, 100.0));
     app.add_option("--batch", settings.batch, "designs that model proposes together")->check(CLI::Range(1, 1000));

@@ -27,6 +27,19 @@ NonlinearProgram prepared(NonlinearProgram p, const MethodFacts& method) {
     return p;
 }
 
+/// What the program says; `otherwise` where the guard has stopped, or an exception stops it.
+template <class T, class Ask>
+T told(Guard& guard, const T& otherwise, const Ask& ask) {
+    if (guard.cause != StopCause::none) return otherwise;
+    try {
+        return ask();
+    } catch (...) {
+        guard.exception = std::current_exception();
+        guard.cause = StopCause::exception;
+        return otherwise;
+    }
+}
+
 }  // namespace
 
 Guard::Guard(const NonlinearProgram& p, const MinimizeOptions& o)
@@ -86,13 +99,9 @@ Eigen::VectorXd Guard::inside(const Eigen::VectorXd& x) {
     const auto is = [&](const Eigen::VectorXd& known) { return known.size() == x.size() && known == x; };
     if ((has_best && is(best_x)) || is(last_x_) || is(moved_) || std::ranges::any_of(expected_, is)) return x;
     if (is(asked_)) return moved_;
-    try {
-        moved_ = program.within(x).cwiseMax(program.lower).cwiseMin(program.upper);
-    } catch (...) {
-        exception = std::current_exception();
-        cause = StopCause::exception;
-        return x;
-    }
+    const Eigen::VectorXd there = told(*this, x, [&] { return program.within(x); });
+    if (cause != StopCause::none) return x;
+    moved_ = there.cwiseMax(program.lower).cwiseMin(program.upper);
     asked_ = x;
     return moved_;
 }
@@ -103,36 +112,16 @@ void Guard::expect(const std::vector<Eigen::VectorXd>& points) {
 }
 
 bool Guard::is_defined(const Eigen::VectorXd& x) {
-    if (!program.is_defined || cause != StopCause::none) return true;
-    try {
-        return program.is_defined(x);
-    } catch (...) {
-        exception = std::current_exception();
-        cause = StopCause::exception;
-        return true;
-    }
+    return !program.is_defined || told(*this, true, [&] { return program.is_defined(x); });
 }
 
 bool Guard::is_refused(const Eigen::VectorXd& x) {
-    if (!program.is_refused || cause != StopCause::none) return false;
-    try {
-        return program.is_refused(x);
-    } catch (...) {
-        exception = std::current_exception();
-        cause = StopCause::exception;
-        return false;
-    }
+    return program.is_refused && told(*this, false, [&] { return program.is_refused(x); });
 }
 
 StepLimits Guard::beyond(const Eigen::VectorXd& from, const Eigen::VectorXd& to) {
-    if (!program.beyond || cause != StopCause::none) return {};
-    try {
-        return program.beyond(from, to);
-    } catch (...) {
-        exception = std::current_exception();
-        cause = StopCause::exception;
-        return {};
-    }
+    if (!program.beyond) return {};
+    return told(*this, StepLimits(), [&] { return program.beyond(from, to); });
 }
 
 bool Guard::try_with(const Eigen::VectorXd& x, const GradientGuess& guess, Evaluation& evaluation) {

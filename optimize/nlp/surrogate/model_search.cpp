@@ -34,13 +34,13 @@ constexpr double same_point = 1e-9;       ///< in z: round-off of inherited desi
 constexpr double next_to = 1e-2;          ///< radii
 constexpr double penalty_over_multiplier = 2;
 constexpr int idle_steps = 2, max_forgotten_borders = 3;
-constexpr double kept_length = 0.5;      ///< of a step that exact limits shorten: less is tried the other way
-constexpr double min_length_left = 0.1;  ///< what they leave less of goes on as it was: there is nothing to learn
-constexpr double min_curvature = 0.1;    ///< of the mean: what the models do not know bends at least so
-constexpr double visible_noise = 1e-3;   ///< of the model's scale: with more, means tell where the best point is
-constexpr int restoration_period = 8;    ///< evaluations of which one leads back to equations
-constexpr int last_restorations = 2;     ///< at the end: each leaves some percent of what is missed
-constexpr double visible_deviations = 2;
+constexpr double kept_length = 0.5;       ///< of a step that exact limits shorten: less is tried the other way
+constexpr double min_length_left = 0.1;   ///< what they leave less of goes on as it was: there is nothing to learn
+constexpr double min_curvature = 0.1;     ///< of the mean: what the models do not know bends at least so
+constexpr double visible_noise = 1e-3;    ///< of the model's scale: with more, means tell where the best point is
+constexpr int restoration_period = 8;     ///< evaluations of which one leads back to equations
+constexpr int last_restorations = 2;      ///< at the end: each leaves some percent of what is missed
+constexpr double visible_deviations = 2;  ///< of a model's noise: what misses an equation by less may be noise
 
 /// A point of a batch, and what the models expect there.
 struct Proposal {
@@ -353,12 +353,12 @@ private:
         const bool is_at_end = left() <= last_restorations;
         const bool is_due = left() > 0 && misses_equations(!is_at_end) &&
                             (is_at_end || guard_.evaluations - restored_at_ >= restoration_period);
-        if (!is_at_end) propose_minima(batch, is_due ? places() - 1 : places());
-        if (is_due) {
-            restored_at_ = guard_.evaluations;
-            add_restored(batch);
-        }
-        if (batch.empty()) propose_minima(batch, places());
+        const int minima = !is_due ? places() : is_at_end ? 0 : places() - 1;
+        if (minima > 0) propose_minima(batch, minima);
+        if (!is_due) return batch;
+        restored_at_ = guard_.evaluations;
+        add_restored(batch);
+        if (batch.empty() && minima == 0) propose_minima(batch, places());
         return batch;
     }
 
@@ -422,7 +422,7 @@ private:
     /// The models expect nothing more, or there is nothing left to ask.
     bool ends_here(const std::vector<Proposal>& batch) {
         if (guard_.cause != StopCause::none) return end_by_guard();
-        if (guard_.limit <= guard_.evaluations) {
+        if (left() <= 0) {
             guard_.cause = StopCause::evaluations;
             return end_by_guard();
         }

@@ -37,6 +37,7 @@ constexpr EarlierWay earlier_ways[] = {
     {"--narrow-ranges", &OptimizeOptions::models_begin_with_narrow_ranges,
      "model searches in the ranges of what each variable may do alone"},
     {"--leaves-equations", &OptimizeOptions::leaves_equations, "nothing leads model back to equations"},
+    {"--ignores-symmetry", &OptimizeOptions::ignores_symmetry, "model searches symmetric designs among all others"},
     {"--pays-without-shape", &OptimizeOptions::pays_without_shape, "model evaluates designs that have no valid shape"}};
 
 struct Settings {

@@ -12,6 +12,7 @@ void CaseReader::read_optimize(const Value& map) {
     }
     set(o.batch, map.find("batch"));
     set(o.finite_differences, map.find("finite_differences"));
+    if (const Value* v = map.find("symmetry")) o.ignores_symmetry = v->number == 0;
     set(o.difference_step, map.find("difference_step"));
     set(o.starts, map.find("starts"));
     if (const Value* v = map.find("seed")) o.seed = static_cast<unsigned>(v->number);

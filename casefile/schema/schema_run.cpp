@@ -51,6 +51,12 @@ std::vector<Key> method_keys() {
                 "as many. Results depend on it, never on `parallel`. Not for fit.",
          .fallback = "8",
          .limits = at_least_one},
+        {.path = "optimize.symmetry",
+         .type = Type::flag,
+         .doc = "Long runs by method model that begin with fields compare the values of a design and of its mirror "
+                "images in the planes of symmetry of the body, and search symmetric designs alone where all are the "
+                "same. They then never leave the symmetry, also where an optimum does. false: they search all.",
+         .fallback = "true"},
         {.path = "optimize.finite_differences",
          .type = Type::flag,
          .doc = "Finite-difference gradients for programs that return none, at one more evaluation per variable; for "

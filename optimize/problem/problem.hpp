@@ -188,6 +188,9 @@ struct OptimizeOptions {
     bool minima_in_variables = false;  ///< the same
     bool leaves_equations = false;     ///< the same
     bool pays_without_shape = false;   ///< the same
+    /// No values of mirror images are compared (`NonlinearProgram::mirror_images`): the meaning of earlier runs, and
+    /// `optimize.symmetry: false`.
+    bool ignores_symmetry = false;
     /// The meaning of earlier runs: models of patches alone have the metric's curvature, not that of motions along
     /// normals beside it (`NonlinearProgram::second_curvature`).
     bool one_curvature = false;

@@ -220,8 +220,7 @@ private:
 
     /// What the next level is made of where the run chooses it. False: refining is expected to gain nothing.
     bool choose_next(const Eigen::VectorXd& x, std::optional<LevelSet>& next) {
-        next.reset();
-        probed_ = 1;
+        next.reset(), probed_ = 1;
         forecast_of_next_ = forecast_of_details();
         is_trial_wanted_ = false;
         const SplitRule rule = state_.rest->parameters.split;
@@ -362,6 +361,7 @@ private:
         how.minima_in_variables = options.minima_in_variables;
         how.leaves_equations = options.leaves_equations;
         how.pays_without_shape = options.pays_without_shape;
+        how.limit_follows_variables = !last;
         how.step_tolerance = options.step_tolerance;
         how.scope = text(" of level ", state_.space.level);
         how.evaluations_before = spent_;

@@ -5,6 +5,7 @@
 #include "optimize/run/value_trial.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 namespace strake {
 namespace {
@@ -28,11 +29,19 @@ int LevelBudget::by_differences() const {
     return std::max(1, left / levels);
 }
 
+int LevelBudget::directions() const { return program_.num_directions(); }
+
+int LevelBudget::directions_of(int variables) const {
+    if (directions() == static_cast<int>(program_.program().start.size())) return variables;
+    const double share = directions() / std::max<double>(1, static_cast<double>(state_.space.size()));
+    return static_cast<int>(std::ceil(share * variables));
+}
+
 int LevelBudget::by_models() const {
     const int shared = by_differences(), left = state_.evaluations_left();
     if (state_.problem.optimize.learns_as_before || shared == left) return shared;
-    const int terms = static_cast<int>(state_.space.size()) + 1;
-    if (!can_learn(static_cast<int>(state_.space.size()))) return left;
+    const int terms = directions() + 1;
+    if (!can_learn(directions())) return left;
     const int batches = 1 + batches_of_a_level * state_.problem.optimize.batch;
     const bool is_quick = !state_.space.has_patches && begins_quickly();
     const double wanted = (is_quick ? points_of_first_fields : points_of_a_variable) * terms;
@@ -57,7 +66,8 @@ std::optional<LevelSet> LevelBudget::patches_alone() const {
     const auto patches = static_cast<int>(below.front.patches.patches.size());
     const auto before = static_cast<int>(space.patches().patches.size());
     const auto fields = static_cast<int>(below.fields.numbers.size());
-    if (below.fields.reach > space.fields.reach || can_learn(fields + loads * patches / before)) return {};
+    if (below.fields.reach > space.fields.reach || can_learn(directions_of(fields + loads * patches / before)))
+        return {};
     below.fields.numbers.clear();
     return below;
 }

@@ -12,6 +12,10 @@ class LevelBudget {
 public:
     LevelBudget(const RunState& state, const LevelProgram& program) : state_(state), program_(program) {}
 
+    /// What a search by models learns of the present level, and of so many variables next to it.
+    int directions() const;
+    int directions_of(int variables) const;
+
     /// Of the directions that tell what to choose (`next_by_values`).
     bool can_pay_trial() const;
     /// What is left, in equal parts for the levels to come: for no more of them than it can move.

@@ -53,7 +53,7 @@ int LevelOrder::num_next_fields() const {
 }
 
 bool LevelOrder::can_afford(int variables, double for_each) const {
-    return state_.evaluations_left() >= evaluations_for(for_each, variables);
+    return state_.evaluations_left() >= evaluations_for(for_each, budget_.directions_of(variables));
 }
 
 LevelSet LevelOrder::enter(Stage stage, int tree_level, bool has_fields, int levels_below) {
@@ -116,7 +116,7 @@ std::optional<LevelSet> LevelOrder::advance() {
 }
 
 std::optional<int> LevelOrder::evaluations() const {
-    const int left = state_.evaluations_left(), variables = state_.space.size();
+    const int left = state_.evaluations_left(), variables = budget_.directions();
     const int wanted = evaluations_for(points_of_a_variable, variables);
     switch (stage_) {
         case Stage::trial: {
@@ -127,11 +127,12 @@ std::optional<int> LevelOrder::evaluations() const {
         }
         case Stage::patches: {
             const int fields = num_next_fields();
-            const bool leaves_enough = fields > 0 && left - wanted >= evaluations_for(points_left_by_patches, fields);
+            const bool leaves_enough =
+                fields > 0 && left - wanted >= evaluations_for(points_left_by_patches, budget_.directions_of(fields));
             return leaves_enough ? wanted : left;
         }
         case Stage::fields:
-            if (!patches_lead_ && !can_afford(variables, points_left_by_patches)) return left;
+            if (!patches_lead_ && !can_afford(state_.space.size(), points_left_by_patches)) return left;
             return std::clamp(wanted, 1, std::max(1, left / 2));
         case Stage::first:
         case Stage::both:

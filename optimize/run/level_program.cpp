@@ -3,12 +3,16 @@
 #include "core/error.hpp"
 #include "optimize/nlp/program/first_order.hpp"
 #include "optimize/nlp/program/methods.hpp"
+#include "optimize/nlp/surrogate/mirror_directions.hpp"
 #include "optimize/run/method_choice.hpp"
 #include "optimize/run/run_verdict.hpp"
+#include "optimize/space/mirror.hpp"
+#include "optimize/space/motion_images.hpp"
 #include "optimize/space/motion_limit.hpp"
 #include "optimize/space/response_metric.hpp"
 
 #include <cmath>
+#include <span>
 
 namespace strake {
 namespace {
@@ -182,8 +186,41 @@ const NonlinearProgram& LevelProgram::enter(const Eigen::VectorXd& start, bool i
     program_.is_refused = [this](const Eigen::VectorXd& y) { return state_.evaluator.is_invalid(unscaled(y)); };
     limit_motion();
     add_cheap_program();
+    add_mirror_images();
     if (learns()) program_.known = [this] { return known_points(); };
     return program_;
+}
+
+void LevelProgram::add_mirror_images() {
+    const OptimizeOptions& options = state_.problem.optimize;
+    const auto has_image = [](const Variable& variable) {
+        return is_load(variable.kind) || variable.kind == VariableKind::field;
+    };
+    const auto shape = std::span(state_.space.variables).first(static_cast<std::size_t>(state_.space.num_shape()));
+    if (options.method != Method::model || options.ignores_symmetry || state_.rest->wrap ||
+        !is_long_with_fields(state_.problem, state_.limits().evaluations) || !std::ranges::all_of(shape, has_image))
+        return;
+    if (!mirrors_) {
+        mirrors_.emplace();
+        for (const SymmetryPlane& plane : planes_of_symmetry(state_.rest->surface)) mirrors_->push_back({plane});
+    }
+    const Eigen::VectorXd inverse = weight_.cwiseInverse();
+    for (std::size_t k = 0; k < mirrors_->size(); ++k) {
+        MirrorPlane& mirror = (*mirrors_)[k];
+        if (mirror.is_none) continue;
+        const MotionImages images = motion_images(state_.space, mirror.plane);
+        MirrorImage image{inverse.asDiagonal() * images.motion * inverse.asDiagonal(),
+                          inverse.asDiagonal() * images.image * inverse.asDiagonal(), mirror.holds,
+                          [this, k](bool holds) { use_mirror((*mirrors_)[k], holds); }};
+        mirror.is_none = !mirror.has_held && !keeps_directions(program_, image);
+        if (!mirror.is_none) program_.mirror_images.push_back(std::move(image));
+    }
+}
+
+int LevelProgram::num_directions() const {
+    if (std::ranges::none_of(program_.mirror_images, &MirrorImage::holds))
+        return static_cast<int>(program_.start.size());
+    return num_even_directions(program_);
 }
 
 void LevelProgram::add_cheap_program() {

@@ -49,6 +49,10 @@ public:
     void learn(std::vector<SeenDesign> designs) { learned_ = std::move(designs); }
     const ShapeEvaluation& current() const { return current_; }  ///< the last evaluation
 
+    /// Of the present level, that searches by models have: fewer than variables where values are the same for mirror
+    /// images.
+    int num_directions() const;
+
     const KnownDesign& known() const { return known_; }  ///< without sensitivities where nothing was differentiated
     /// Of the Lagrangian (as minimized) at the known design. @pre it has sensitivities of all values in it.
     ShellSensitivities lagrangian() const;
@@ -72,6 +76,7 @@ private:
     void differentiate(Evaluation& sample);
     void limit_motion();
     void add_cheap_program();
+    void add_mirror_images();
     /// Searches by models use what coarser levels have paid for.
     bool learns() const {
         const OptimizeOptions& options = state_.problem.optimize;
@@ -101,6 +106,18 @@ private:
     std::unique_ptr<CheapProgram> cheap_;  ///< null: the problem has no cheap models, or the method does not use them
     std::vector<SeenDesign> seen_;         ///< of method model
     std::vector<SeenDesign> learned_;      ///< the first is that of the start; until the start has been evaluated
+    struct MirrorPlane {
+        SymmetryPlane plane;
+        bool holds = false;  ///< all values were the same on the level before
+        bool has_held = false;
+        bool is_none = false;  ///< they were not when they were first compared
+    };
+    static void use_mirror(MirrorPlane& mirror, bool holds) {
+        mirror.is_none |= !holds && !mirror.has_held;
+        mirror.has_held |= holds;
+        mirror.holds = holds;
+    }
+    std::optional<std::vector<MirrorPlane>> mirrors_;  ///< of the surface; none: not looked for yet
     ShapeEvaluation current_;
     Eigen::VectorXd current_x_;
     Rank current_rank_;

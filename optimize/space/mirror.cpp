@@ -16,6 +16,7 @@ constexpr double exact_image = 1e-7;  ///< diagonals: below it misfits are round
 constexpr double flat = 0.4;          ///< thickness over the middle extent: less is a wing
 constexpr double longer = 1.01;       ///< times the other: extents that differ by less are as long as each other
 constexpr double agreement = 0.9;
+constexpr double orthogonal = 1e-3;  ///< cosine of two normals
 constexpr int mirror_samples = 4000;
 
 /// Root mean square distance of the mirrored triangle centres from the surface; infinite once it exceeds `most`, which
@@ -68,9 +69,8 @@ SymmetryPlane between_left_and_right(const std::vector<FittedPlane>& planes, con
         ->plane;
 }
 
-}  // namespace
-
-std::optional<SymmetryPlane> plane_of_symmetry(const TriMesh& mesh) {
+/// Across coordinate directions and principal axes, through the area centroid.
+std::vector<SymmetryPlane> candidates(const TriMesh& mesh) {
     const Points centre = triangle_centroids(mesh);
     const Eigen::VectorXd area = triangle_areas(mesh);
     const Eigen::Vector3d middle = centre.transpose() * area / area.sum();
@@ -80,23 +80,50 @@ std::optional<SymmetryPlane> plane_of_symmetry(const TriMesh& mesh) {
         spread += area[t] * arm * arm.transpose();
     }
     const Eigen::Matrix3d axes = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(spread).eigenvectors();
+    std::vector<SymmetryPlane> planes;
+    for (int k = 0; k < 6; ++k) {
+        const Eigen::Vector3d normal = k < 3 ? Eigen::Vector3d(Eigen::Vector3d::Unit(k)) : axes.col(k - 3);
+        SymmetryPlane plane{normal, normal.dot(middle)};
+        if (std::abs(plane.offset) < exact_image * box_diagonal(mesh)) plane.offset = 0;
+        planes.push_back(plane);
+    }
+    return planes;
+}
+
+}  // namespace
+
+std::optional<SymmetryPlane> plane_of_symmetry(const TriMesh& mesh) {
     const ClosestPointTree tree(mesh);
     const double diagonal = box_diagonal(mesh), rounding = exact_image * diagonal;
     std::vector<FittedPlane> planes;
     double least = good_image * diagonal;
-    for (int k = 0; k < 6; ++k) {
-        const Eigen::Vector3d normal = k < 3 ? Eigen::Vector3d(Eigen::Vector3d::Unit(k)) : axes.col(k - 3);
-        SymmetryPlane plane{normal, normal.dot(middle)};
-        if (std::abs(plane.offset) < rounding) plane.offset = 0;
+    for (const SymmetryPlane& plane : candidates(mesh)) {
         const double off = std::max(misfit(mesh, tree, plane, least), rounding);
         if (planes.empty() ? off > least : off >= 0.5 * least && off > rounding) continue;
-        const Eigen::VectorXd height = mesh.vertices * normal;
+        const Eigen::VectorXd height = mesh.vertices * plane.normal;
         if (off < 0.5 * least) planes.clear();
         planes.push_back({plane, off, height.maxCoeff() - height.minCoeff()});
         least = std::min(least, off);
     }
     if (planes.empty()) return std::nullopt;
     return between_left_and_right(planes, mesh);
+}
+
+std::vector<SymmetryPlane> planes_of_symmetry(const TriMesh& mesh) {
+    const ClosestPointTree tree(mesh);
+    const double most = good_image * box_diagonal(mesh);
+    std::vector<std::pair<double, SymmetryPlane>> fitting;
+    for (const SymmetryPlane& plane : candidates(mesh))
+        if (const double off = misfit(mesh, tree, plane, most); off <= most) fitting.emplace_back(off, plane);
+    if (const auto first = plane_of_symmetry(mesh)) fitting.emplace_back(-1, *first);
+    std::ranges::stable_sort(fitting, {}, &std::pair<double, SymmetryPlane>::first);
+    std::vector<SymmetryPlane> planes;
+    for (const auto& [off, plane] : fitting)
+        if (std::ranges::all_of(planes, [&](const SymmetryPlane& other) {
+                return std::abs(other.normal.dot(plane.normal)) < orthogonal;
+            }))
+            planes.push_back(plane);
+    return planes;
 }
 
 Eigen::Matrix3d reflection(const SymmetryPlane& plane) {

@@ -12,6 +12,9 @@ namespace strake {
 /// then the axes. An offset within rounding of zero is zero.
 std::optional<SymmetryPlane> plane_of_symmetry(const TriMesh& mesh);
 
+/// All such planes, orthogonal to each other: that one first, then those of the least misfit.
+std::vector<SymmetryPlane> planes_of_symmetry(const TriMesh& mesh);
+
 /// Mirror image of a vector, I - 2 n n^T.
 Eigen::Matrix3d reflection(const SymmetryPlane& plane);
 

@@ -184,6 +184,13 @@ std::unique_ptr<PrimoShell> shell_at_rest(const DesignSpace& space) {
     return shell;
 }
 
+std::vector<int> sampled_vertices(const RestFacts& rest) {
+    const int stride = std::max(1, rest.surface.num_vertices() / max_samples);
+    std::vector<int> vertices;
+    for (int v = 0; v < rest.surface.num_vertices(); v += stride) vertices.push_back(v);
+    return vertices;
+}
+
 Eigen::VectorXd sampled_motion(const RestFacts& rest, const Points& motion) {
     return Reduction(rest)(motion, nullptr).samples;
 }

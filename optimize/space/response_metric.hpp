@@ -20,6 +20,9 @@ struct Responses {
 /// variable.
 Responses responses_at_rest(const DesignSpace& space);
 
+/// The vertices that `Responses::samples` has, in order.
+std::vector<int> sampled_vertices(const RestFacts& rest);
+
 /// A displacement of the surface (n x 3) as `Responses::samples` has it.
 Eigen::VectorXd sampled_motion(const RestFacts& rest, const Points& motion);
 

@@ -68,6 +68,8 @@ struct MinimizeOptions {
     /// half a batch: those of which one knows that objective and constraints depend on them strongly and in ways of
     /// their own, as on an angle of attack. Not where it tries in order, nor where designs are known already.
     std::vector<int> first_alone;
+    /// model: the limit of evaluations is for all variables, and shrinks with what mirror images leave of them.
+    bool limit_follows_variables = false;
     bool confirm = true;  ///< converged only when a fresh start at the end gains nothing more
     /// The given one, then random ones within the bounds, which must be finite. They share the budget.
     int starts = 1;

@@ -80,6 +80,14 @@ struct KnownPoint {
     Evaluation evaluation;
 };
 
+/// What a mirror image makes of changes of the variables, n x n both, symmetric: mean products of what one variable
+/// moves with what another one does (`motion`), and with its mirror image (`image`). Values need not know of it.
+struct MirrorImage {
+    Eigen::MatrixXd motion, image;
+    bool holds = false;  ///< a search before has found all values to be the same, and the limit of evaluations knows it
+    std::function<void(bool)> found;  ///< told whether they are the same here
+};
+
 /// With a second curvature minima of models are sought in all variables, not in directions to points: some 0.4 s each
 /// with 200 of both.
 inline constexpr int max_variables_with_curvature = 100;
@@ -113,6 +121,9 @@ struct NonlinearProgram {
     /// n x n, positive semidefinite: curvatures of values are likely the metric times one factor plus this times
     /// another, which models fit. Empty: the metric alone. Used by model, up to `max_variables_with_curvature`.
     Eigen::MatrixXd second_curvature;
+    /// Where values are the same for a design and its mirror image, models search what is symmetric about the start
+    /// alone. Used by model.
+    std::vector<MirrorImage> mirror_images;
     /// The metric at x times d: near buckling some directions become long. May be empty, and may return an empty
     /// vector. Cheap compared with an evaluation. Used by sqp.
     std::function<Eigen::VectorXd(const Eigen::VectorXd& x, const Eigen::VectorXd& d)> present_metric;

@@ -18,6 +18,7 @@ constexpr int min_points_per_term = 4;
 /// With so many points a coordinate, and few coordinates, each has a length scale of its own.
 constexpr int points_per_length = 5;
 constexpr Eigen::Index max_lengths = 12, max_quadratic = 10;
+constexpr double beside = 0.1;  ///< of its distance from the start, that a point has from the directions of a search
 constexpr double min_curvature_share = 0.01;  ///< of its size that is not the metric's
 
 }  // namespace
@@ -39,26 +40,52 @@ SampledPoints::SampledPoints(const Guard& guard) : program_(guard.program), free
 
 VectorXd SampledPoints::whitened(const VectorXd& x) const {
     const VectorXd d = x - program_.start;
-    return U_ * d(free_);
+    const VectorXd all = U_ * d(free_);
+    return Q_.size() > 0 ? VectorXd(Q_.transpose() * all) : all;
 }
 
 VectorXd SampledPoints::variables(const VectorXd& z) const {
     VectorXd x = program_.start;
-    x(free_) += U_.triangularView<Eigen::Upper>().solve(z);
+    const VectorXd all = Q_.size() > 0 ? VectorXd(Q_ * z) : z;
+    x(free_) += U_.triangularView<Eigen::Upper>().solve(all);  // not of a matrix: other bits
     return x.cwiseMax(program_.lower).cwiseMin(program_.upper);
 }
 
 VectorXd SampledPoints::unwhitened(const VectorXd& gradient) const {
     VectorXd g = VectorXd::Zero(program_.start.size());
-    g(free_) = U_.transpose() * gradient;
+    g(free_) = U_.transpose() * (Q_.size() > 0 ? VectorXd(Q_ * gradient) : gradient);
     return g;
 }
 
 VectorXd SampledPoints::gradient_by_z(const VectorXd& gradient) const {
-    return U_.triangularView<Eigen::Upper>().transpose().solve(VectorXd(gradient(free_)));
+    const VectorXd all = U_.triangularView<Eigen::Upper>().transpose().solve(VectorXd(gradient(free_)));
+    return Q_.size() > 0 ? VectorXd(Q_.transpose() * all) : all;
+}
+
+MatrixXd SampledPoints::by_variables() const { return Q_.size() > 0 ? MatrixXd(Q_.transpose() * U_) : U_; }
+
+MatrixXd SampledPoints::free_along(const MatrixXd& directions) const {
+    return U_.triangularView<Eigen::Upper>().solve(Q_.size() > 0 ? MatrixXd(Q_ * directions) : directions);
+}
+
+void SampledPoints::restrict_to(const MatrixXd& Q) {
+    Q_ = Q_.size() > 0 ? MatrixXd(Q_ * Q) : Q;
+    if (curvature_.size() > 0) curvature_ = Q.transpose() * curvature_ * Q;
+    const auto is_forgotten = [&](const Point& point) { return is_beside(point.x); };
+    points_.erase(std::remove_if(points_.begin() + 1, points_.end(), is_forgotten), points_.end());  // not the start
+    for (Point& point : points_) point.z = whitened(point.x);
+    for (VectorXd& z : failed_) z = Q.transpose() * z;
+}
+
+/// Its values would be taken for those of another design.
+bool SampledPoints::is_beside(const VectorXd& x) const {
+    if (Q_.size() == 0) return false;
+    const VectorXd d = x - program_.start, all = U_ * d(free_);
+    return (all - Q_ * (Q_.transpose() * all)).norm() > beside * all.norm();
 }
 
 void SampledPoints::add(const VectorXd& x, const Evaluation& evaluation) {
+    if (is_beside(x)) return;
     if (evaluation.failure.empty())
         points_.push_back({x, whitened(x), values_of(evaluation)});
     else

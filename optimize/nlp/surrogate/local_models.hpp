@@ -6,7 +6,7 @@
 namespace strake {
 
 /// Points with values in whitened coordinates z = U (x - start) of the free variables, U^T U the metric: a length in
-/// them is that of a step.
+/// them is that of a step. Or z = Q^T U (x - start), of some orthonormal directions (`restrict_to`).
 class SampledPoints {
 public:
     explicit SampledPoints(const Guard& guard);
@@ -18,11 +18,16 @@ public:
     /// A gradient by all variables as one by z.
     Eigen::VectorXd gradient_by_z(const Eigen::VectorXd& gradient) const;
     void add(const Eigen::VectorXd& x, const Evaluation& evaluation);
+    void forget_from(int point) { points_.erase(points_.begin() + point, points_.end()); }
+    /// From here on z = Q^T U (x - start): the program is searched in these directions alone. Points beside them are
+    /// forgotten, but for the first. @param Q orthonormal columns in the coordinates of before
+    void restrict_to(const Eigen::MatrixXd& Q);
+    Eigen::MatrixXd by_variables() const;                                 ///< d z / d free variables
+    Eigen::MatrixXd free_along(const Eigen::MatrixXd& directions) const;  ///< free variables by directions of z
     /// A point, with values or failed, is this near.
     bool knows(const Eigen::VectorXd& z, double distance) const;
     int size() const { return static_cast<int>(points_.size()); }
-    Eigen::Index dimensions() const { return static_cast<Eigen::Index>(free_.size()); }
-    const Eigen::MatrixXd& U() const { return U_; }
+    Eigen::Index dimensions() const { return Q_.size() > 0 ? Q_.cols() : U_.cols(); }
     const std::vector<int>& free() const { return free_; }
     /// `NonlinearProgram::second_curvature` by z, without its mean (the metric has that), as large as the identity
     /// (Frobenius). Empty: the program has none, the metric is all of it, or there are too many variables.
@@ -39,7 +44,10 @@ public:
 private:
     const NonlinearProgram& program_;
     const std::vector<int>& free_;
+    bool is_beside(const Eigen::VectorXd& x) const;
+
     Eigen::MatrixXd U_, curvature_;
+    Eigen::MatrixXd Q_;  ///< empty: all directions
     std::vector<Point> points_;
     std::vector<Eigen::VectorXd> failed_;
 };

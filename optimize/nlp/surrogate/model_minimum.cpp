@@ -49,15 +49,16 @@ public:
 /// The free variables, with bounds of their own.
 class FreeVariables : public Coordinates {
 public:
-    FreeVariables(const NonlinearProgram& program, const SampledPoints& points) : program_(program), points_(points) {}
+    FreeVariables(const NonlinearProgram& program, const SampledPoints& points)
+        : program_(program), points_(points), by_variables_(points.by_variables()) {}
     VectorXd x(const VectorXd& y) const override {
         VectorXd x = program_.start;
         x(points_.free()) = y;
         return x;
     }
     VectorXd z(const VectorXd& y) const override { return points_.whitened(x(y)); }
-    VectorXd slope(const VectorXd& by_z) const override { return points_.U().transpose() * by_z; }
-    MatrixXd slopes(const MatrixXd& by_z) const override { return by_z * points_.U(); }
+    VectorXd slope(const VectorXd& by_z) const override { return by_variables_.transpose() * by_z; }
+    MatrixXd slopes(const MatrixXd& by_z) const override { return by_z * by_variables_; }
     VectorXd slope_of_variables(const VectorXd& by_x) const override { return by_x(points_.free()); }
     void describe(NonlinearProgram& p, const VectorXd& from_z) const override {
         const auto& free = points_.free();
@@ -70,6 +71,7 @@ public:
 private:
     const NonlinearProgram& program_;
     const SampledPoints& points_;
+    MatrixXd by_variables_;
 };
 
 /// z = centre + Q y with the directions from the centre to the points that the models know, and those of trends, of
@@ -86,7 +88,7 @@ public:
           centre_(region.centre),
           start_(points.variables(region.centre)),
           Q_(basis(models, region, from_z)),
-          by_y_(points.U().triangularView<Eigen::Upper>().solve(Q_)) {}
+          by_y_(points.free_along(Q_)) {}
     VectorXd x(const VectorXd& y) const override {
         VectorXd x = start_;
         x(points_.free()) += by_y_ * y;
@@ -145,10 +147,11 @@ private:
         for (Eigen::Index i = 0; i < values; ++i) all.col(known + 1 + i) = models[i].gradient(centre_);
         if (tilted > 0) all.middleCols(known + 1 + values, tilted) = region.tilt.transpose();
         if (limits > 0) all.middleCols(known + 1 + values + tilted, limits) = region.limits.slopes.transpose();
-        for (Eigen::Index i = 0; i < met; ++i)
+        for (Eigen::Index i = 0; i < met; ++i) {
+            const int j = points_.free()[static_cast<std::size_t>(met_[static_cast<std::size_t>(i)].variable)];
             all.col(known + 1 + values + tilted + limits + i) =
-                points_.U().triangularView<Eigen::Upper>().transpose().solve(
-                    VectorXd(VectorXd::Unit(d, met_[static_cast<std::size_t>(i)].variable)));
+                points_.gradient_by_z(VectorXd::Unit(program_.start.size(), j));
+        }
         if (region.cut) all.col(n - 1) = points_.gradient_by_z(region.cut->normal);
         for (auto column : all.colwise())
             if (const double length = column.norm(); length > 0) column /= length;

@@ -3,6 +3,7 @@
 #include "core/error.hpp"
 #include "optimize/nlp/program/first_order.hpp"
 #include "optimize/nlp/surrogate/allowed_minimum.hpp"
+#include "optimize/nlp/surrogate/mirror_directions.hpp"
 #include "optimize/nlp/surrogate/restored_design.hpp"
 #include "optimize/nlp/surrogate/spread.hpp"
 
@@ -67,6 +68,7 @@ public:
     ModelEnd run() {
         points_.add(guard_.best_x, guard_.best);
         add_known();
+        look_for_symmetry();
         directions_ = spread_directions();
         while (!has_ended_) step();
         end_.radius = radius_;
@@ -96,6 +98,39 @@ private:
             const double nearest = guard_.options.tries_in_order ? next_to * radius_ : same_point;
             if (!points_.knows(points_.whitened(known.x), nearest)) points_.add(known.x, known.evaluation);
         }
+    }
+
+    /// Where values are the same for mirror images, slopes across the symmetry are zero: what is symmetric is searched.
+    void look_for_symmetry() {
+        const MirrorLook look(program(), points_);
+        if (!look.is_worth(left())) return;
+        region_.centre = centre().z;
+        look_at_limits();
+        const std::vector<VectorXd> steps = look.steps(first_length * radius_, guard_.options.seed);
+        const int known = points_.size();
+        std::vector<char> holds;
+        for (std::size_t k = 1; k < steps.size() && (k == 1 || holds[0]); ++k) {
+            std::vector<Proposal> batch;
+            const bool is_there = (k > 1 || add_step(batch, steps[0])) && add_step(batch, steps[k]);
+            if (!is_there) break;  // limits move it
+            evaluate(batch);
+            if (has_ended_) return;
+            if (points_.size() != known + static_cast<int>(k) + 1) break;  // failures tell nothing
+            holds.push_back(look.is_same(points_[0], points_[known], points_[points_.size() - 1]));
+        }
+        points_.forget_from(known);  // first steps are better taken in order
+        const MatrixXd even = look.even(holds);
+        if (even.cols() == points_.dimensions()) return;
+        guard_.report_event(look.words(even.cols()));
+        if (guard_.options.limit_follows_variables)
+            guard_.limit = guard_.evaluations + look.evaluations_for(even.cols(), left(), guard_.options.batch);
+        points_.restrict_to(even);
+    }
+
+    bool add_step(std::vector<Proposal>& batch, const VectorXd& step) {
+        const std::size_t before = batch.size();
+        add(batch, points_.variables(centre().z + step), step.norm());
+        return batch.size() > before && (batch.back().z - centre().z - step).norm() <= next_to * step.norm();
     }
 
     bool has_moved(int axis) const {
@@ -129,7 +164,7 @@ private:
             if (at == guard_.free.end() || is_enough) continue;
             const double sign = p.upper[j] - p.start[j] < p.start[j] - p.lower[j] ? -1 : 1;
             all.conservativeResize(Eigen::NoChange, all.cols() + 1);
-            all.rightCols(1) = sign * points_.U().col(at - guard_.free.begin());
+            all.rightCols(1) = sign * points_.by_variables().col(at - guard_.free.begin());
         }
         return all;
     }
@@ -232,10 +267,16 @@ private:
         const double mean = of.eigenvalues().cwiseAbs().mean();
         if (!(mean > 0)) return;
         const VectorXd curvature = of.eigenvalues().cwiseMax(min_curvature * mean);
-        const MatrixXd root =
-            points_.U().transpose() * of.eigenvectors() * curvature.cwiseSqrt().asDiagonal();  // H = root root'
         end_.hessian = metric_of(program()) * mean;
-        end_.hessian(points_.free(), points_.free()) = root * root.transpose();
+        const MatrixXd by_variables = points_.by_variables();
+        if (by_variables.rows() == by_variables.cols()) {
+            const MatrixXd root = by_variables.transpose() * of.eigenvectors() * curvature.cwiseSqrt().asDiagonal();
+            end_.hessian(points_.free(), points_.free()) = root * root.transpose();
+        } else {
+            const MatrixXd more =
+                of.eigenvectors() * (curvature.array() - mean).matrix().asDiagonal() * of.eigenvectors().transpose();
+            end_.hessian(points_.free(), points_.free()) += by_variables.transpose() * more * by_variables;
+        }
     }
 
     /// By multipliers of the models' gradients.

@@ -1,5 +1,6 @@
 #include "core/error.hpp"
 #include "core/fields/displacement_fields.hpp"
+#include "core/mesh/closest_point.hpp"
 #include "optimize/run/coarse_to_fine.hpp"
 #include "optimize/run/level_program.hpp"
 #include "optimize/run/method_choice.hpp"
@@ -367,6 +368,44 @@ TEST(ModelRun, FieldsThatRestedGoOnFromWhereTheyWere) {
     EXPECT_EQ(carried[back], 0);
     EXPECT_GT(taken_up[back], 0);
     EXPECT_LT(result.levels[back].inherited_shape_change, 1e-9);
+}
+
+/// The body is held at one end along x, y and z are planes of it and of its values: both halves move alike.
+TEST(ModelRun, ALongRunKeepsTheSymmetryOfBodyAndValues) {
+    const auto asymmetry = [](const RunResult& result, const Problem& problem) {
+        TriMesh mesh = problem.surface;
+        mesh.vertices = result.vertices;
+        const ClosestPointTree tree(mesh);
+        double worst = 0;
+        for (int v = 0; v < result.vertices.rows(); ++v) {
+            const Eigen::Vector3d p = result.vertices.row(v), image(p[0], -p[1], p[2]);
+            worst = std::max(worst, (tree.find(image).point - image).norm());
+        }
+        return worst / box_diagonal(problem.surface);
+    };
+    Problem problem = with_fine_patches(110);
+    problem.parameters.field_steps = {12};
+    const Told found = run(problem);
+    EXPECT_NE(found.notes.find("values are the same for mirror images"), std::string::npos) << found.notes;
+    EXPECT_LT(asymmetry(found.result, problem), 1e-6) << found.notes;
+    problem.optimize.ignores_symmetry = true;
+    const Told before = run(problem);
+    EXPECT_EQ(before.notes.find("mirror images"), std::string::npos);
+    EXPECT_GT(asymmetry(before.result, problem), 1e-5) << "else this says nothing";
+}
+
+/// One side of the body counts more.
+TEST(ModelRun, ALongRunLeavesTheSymmetryThatValuesDoNotHave) {
+    Problem problem = with_bump(120);
+    problem.quantities[0].evaluate = [rest = problem.surface.vertices](const QuantityRequest& request) {
+        const Points moved = request.surface.vertices - rest;
+        QuantityResult result;
+        result.values = {(moved.col(1).array() - 0.02).square().sum() + (moved.col(2).array() - 0.02).square().sum()};
+        return result;
+    };
+    const Told told = run(problem);
+    EXPECT_EQ(told.notes.find("mirror images"), std::string::npos) << told.notes;
+    EXPECT_LT(told.result.objective, 0.5 * told.result.objective_start);
 }
 
 TEST(ModelRun, ABudgetThatEndsWithTheFirstBatchIsTold) {

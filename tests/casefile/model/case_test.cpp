@@ -51,6 +51,7 @@ TEST_F(CaseFile, MinimalOneHasTheDefaultsOfTheStructs) {
     EXPECT_EQ(c.optimize.step_tolerance, o.step_tolerance);
     EXPECT_EQ(c.optimize.constraint_tolerance, o.constraint_tolerance);
     EXPECT_EQ(c.optimize.finite_differences, o.finite_differences);
+    EXPECT_FALSE(c.optimize.ignores_symmetry);
     EXPECT_EQ(c.optimize.starts, o.starts);
     EXPECT_EQ(c.optimize.seed, o.seed);
     const Parameters p;
@@ -174,7 +175,7 @@ parameters:
   frozen: [tip]
   groups: [[p1.1, p1.2], [tip, p2]]
   mirror: true
-optimize: {method: NLOPT_LD_TNEWTON_PRECOND_RESTART, starts: 3, seed: 7, finite_differences: true}
+optimize: {method: NLOPT_LD_TNEWTON_PRECOND_RESTART, starts: 3, seed: 7, finite_differences: true, symmetry: false}
 )");
     const ParameterEntry& p = c.parameters;
     EXPECT_EQ(p.split.kind, SplitEntry::Kind::sensitivity);
@@ -189,6 +190,7 @@ optimize: {method: NLOPT_LD_TNEWTON_PRECOND_RESTART, starts: 3, seed: 7, finite_
     EXPECT_EQ(p.frozen[0].name, "tip");
     ASSERT_EQ(p.groups.size(), 2u);
     EXPECT_EQ(p.groups[1][1].name, "p2");
+    EXPECT_TRUE(c.optimize.ignores_symmetry);
     EXPECT_TRUE(p.mirror);
     EXPECT_EQ(c.optimize.method, Method::tnewton);
     EXPECT_EQ(c.optimize.starts, 3);

@@ -192,6 +192,7 @@ const NonlinearProgram& LevelProgram::enter(const Eigen::VectorXd& start, bool i
 }
 
 void LevelProgram::add_mirror_images() {
+    num_directions_ = static_cast<int>(program_.start.size());
     const OptimizeOptions& options = state_.problem.optimize;
     const auto has_image = [](const Variable& variable) {
         return is_load(variable.kind) || variable.kind == VariableKind::field;
@@ -215,12 +216,8 @@ void LevelProgram::add_mirror_images() {
         mirror.is_none = !mirror.has_held && !keeps_directions(program_, image);
         if (!mirror.is_none) program_.mirror_images.push_back(std::move(image));
     }
-}
-
-int LevelProgram::num_directions() const {
-    if (std::ranges::none_of(program_.mirror_images, &MirrorImage::holds))
-        return static_cast<int>(program_.start.size());
-    return num_even_directions(program_);
+    if (std::ranges::any_of(program_.mirror_images, &MirrorImage::holds))
+        num_directions_ = num_even_directions(program_);
 }
 
 void LevelProgram::add_cheap_program() {

@@ -51,7 +51,7 @@ public:
 
     /// Of the present level, that searches by models have: fewer than variables where values are the same for mirror
     /// images.
-    int num_directions() const;
+    int num_directions() const { return num_directions_; }
 
     const KnownDesign& known() const { return known_; }  ///< without sensitivities where nothing was differentiated
     /// Of the Lagrangian (as minimized) at the known design. @pre it has sensitivities of all values in it.
@@ -112,6 +112,7 @@ private:
         bool has_held = false;
         bool is_none = false;  ///< they were not when they were first compared
     };
+    int num_directions_ = 0;
     static void use_mirror(MirrorPlane& mirror, bool holds) {
         mirror.is_none |= !holds && !mirror.has_held;
         mirror.has_held |= holds;

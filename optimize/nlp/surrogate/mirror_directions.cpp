@@ -35,6 +35,7 @@ std::vector<int> free_of(const NonlinearProgram& program) {
 }  // namespace
 
 MirrorDirections::MirrorDirections(const MirrorImage& image, const MatrixXd& along, const std::vector<int>& free) {
+    if (free.empty()) return;
     motion_ = along.transpose() * image.motion(free, free) * along;
     image_ = along.transpose() * image.image(free, free) * along;
     motion_.diagonal().array() += no_motion * motion_.trace() / static_cast<double>(motion_.rows());

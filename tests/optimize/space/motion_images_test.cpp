@@ -85,16 +85,4 @@ TEST(MotionImages, TellEvenFromOdd) {
     }
 }
 
-TEST(MotionImages, EvenDirectionsKeepTheOrderOfTheirColumns) {
-    const VectorXd mu = (VectorXd(6) << 1, -1, 1, -1, 1, 1).finished();
-    const MatrixXd all = MatrixXd::Identity(6, 6);
-    const MirrorDirections mirror({all, mu.asDiagonal(), false, {}}, all, {0, 1, 2, 3, 4, 5});
-    const MatrixXd wanted = all(Eigen::all, std::vector<int>{0, 2, 4, 5});
-    EXPECT_LT((mirror.even_within(all) - wanted).cwiseAbs().maxCoeff(), 1e-12);
-    const VectorXd z = (VectorXd(6) << 1, 2, 3, 4, 5, 6).finished();
-    EXPECT_LT((mirror.in_pairs(z) - z).norm(), 1e-5 * z.norm());  // what moves nothing has no image: no_motion
-    EXPECT_LT((mirror.image(z) - mu.cwiseProduct(z)).norm(), 1e-5 * z.norm());
-    EXPECT_EQ(mirror.even_within(wanted), wanted);
-}
-
 }  // namespace strake

@@ -492,56 +492,6 @@ TEST(ModelSearch, EquationsAreMetWhileTheSearchGains) {
     }
 }
 
-/// What is odd in its last half, by two mirror images: x_5 to x_8, and x_3, x_4, x_7, x_8.
-NonlinearProgram mirrored_bowl(double tilt) {
-    NonlinearProgram p = long_bowl(8);
-    p.evaluate = [tilt](const VectorXd& x) {
-        Evaluation at;
-        at.objective = (x.head(2) - vec({0.5, -0.4})).squaredNorm() + 3 * x.tail(6).squaredNorm() + tilt * x[6] +
-                       0.1 * std::cos(x[4] * x[4]);
-        return at;
-    };
-    for (const auto& mu : {vec({1, 1, 1, 1, -1, -1, -1, -1}), vec({1, 1, -1, -1, 1, 1, -1, -1})})
-        p.mirror_images.push_back({MatrixXd::Identity(8, 8), mu.asDiagonal(), false, [](bool) {}});
-    return p;
-}
-
-TEST(ModelSearch, WhereMirrorImagesHaveTheSameValuesWhatIsSymmetricIsSearched) {
-    for (const double tilt : {0.0, 2.0}) {
-        NonlinearProgram p = mirrored_bowl(tilt);
-        std::vector<char> found;
-        for (MirrorImage& image : p.mirror_images) image.found = [&](bool holds) { found.push_back(holds); };
-        std::vector<VectorXd> seen;
-        p.evaluate = [&seen, inner = p.evaluate](const VectorXd& x) { return seen.push_back(x), inner(x); };
-        MinimizeOptions how = few(41);
-        how.limit_follows_variables = true;
-        const MinimizeResult r = minimize(p, how);
-        EXPECT_EQ(found, (tilt == 0 ? std::vector<char>{1, 1} : std::vector<char>{0}));
-        ASSERT_GT(seen.size(), 10u);
-        double beside = 0;  // of the symmetric designs, after the start, the design and its images
-        for (std::size_t k = 4; k < seen.size(); ++k) beside = std::max(beside, seen[k].tail(6).norm());
-        if (tilt == 0) {
-            EXPECT_LT(beside, 1e-9);
-            EXPECT_NEAR(r.best.objective, 0.1, 1e-4);
-            EXPECT_LE(r.evaluations, 4 + 3 * 8) << "three of nine, but three batches";
-        } else {
-            EXPECT_GT(beside, 0.1);
-            EXPECT_LT(r.best.objective, -tilt * tilt / 12 + 0.11) << "else it has not gone there";
-            EXPECT_GT(r.evaluations, 28);
-        }
-    }
-    NonlinearProgram p = mirrored_bowl(2);  // one of the images holds
-    p.evaluate = [](const VectorXd& x) {
-        Evaluation at;
-        at.objective = (x - vec({0.5, -0.4, 0, 0, 0.3, 0, 0, 0})).squaredNorm();
-        return at;
-    };
-    const MinimizeResult r = minimize(p, few(60));
-    EXPECT_NEAR(r.x[2], 0, 1e-9);
-    EXPECT_NEAR(r.x[4], 0.3, 1e-2);
-    EXPECT_NEAR(r.best.objective, 0, 1e-4);
-}
-
 /// Half of the space has no shape, the bottom of the bowl is there, and the search goes along the border.
 TEST(ModelSearch, DesignsWithoutAShapeAreNotEvaluated) {
     NonlinearProgram p = long_bowl(6);

@@ -1,0 +1,88 @@
+#include "optimize/nlp/surrogate/mirror_directions.hpp"
+#include "optimize/nlp/minimizer.hpp"
+#include "programs.hpp"
+
+#include <gtest/gtest.h>
+
+/// Searches by models where values are the same for mirror images.
+namespace strake {
+namespace {
+
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+MinimizeOptions by_models(int evaluations) {
+    MinimizeOptions how;
+    how.method = Method::model;
+    how.max_evaluations = evaluations;
+    return how;
+}
+
+/// What is odd in its last half, by two mirror images: x_5 to x_8, and x_3, x_4, x_7, x_8.
+NonlinearProgram mirrored_bowl(double tilt) {
+    NonlinearProgram p;
+    p.start = VectorXd::Zero(8);
+    p.lower = VectorXd::Constant(8, -3);
+    p.upper = VectorXd::Constant(8, 3);
+    p.evaluate = [tilt](const VectorXd& x) {
+        Evaluation at;
+        at.objective = (x.head(2) - vec({0.5, -0.4})).squaredNorm() + 3 * x.tail(6).squaredNorm() + tilt * x[6] +
+                       0.1 * std::cos(x[4] * x[4]);
+        return at;
+    };
+    for (const auto& mu : {vec({1, 1, 1, 1, -1, -1, -1, -1}), vec({1, 1, -1, -1, 1, 1, -1, -1})})
+        p.mirror_images.push_back({MatrixXd::Identity(8, 8), mu.asDiagonal(), false, [](bool) {}});
+    return p;
+}
+
+}  // namespace
+
+TEST(MirrorDirections, WhereMirrorImagesHaveTheSameValuesWhatIsSymmetricIsSearched) {
+    for (const double tilt : {0.0, 2.0}) {
+        NonlinearProgram p = mirrored_bowl(tilt);
+        std::vector<char> found;
+        for (MirrorImage& image : p.mirror_images) image.found = [&](bool holds) { found.push_back(holds); };
+        std::vector<VectorXd> seen;
+        p.evaluate = [&seen, inner = p.evaluate](const VectorXd& x) { return seen.push_back(x), inner(x); };
+        MinimizeOptions how = by_models(41);
+        how.limit_follows_variables = true;
+        const MinimizeResult r = minimize(p, how);
+        EXPECT_EQ(found, (tilt == 0 ? std::vector<char>{1, 1} : std::vector<char>{0}));
+        ASSERT_GT(seen.size(), 10u);
+        double beside = 0;  // of the symmetric designs, after the start, the design and its images
+        for (std::size_t k = 4; k < seen.size(); ++k) beside = std::max(beside, seen[k].tail(6).norm());
+        if (tilt == 0) {
+            EXPECT_LT(beside, 1e-9);
+            EXPECT_NEAR(r.best.objective, 0.1, 1e-4);
+            EXPECT_LE(r.evaluations, 4 + 3 * 8) << "three of nine, but three batches";
+        } else {
+            EXPECT_GT(beside, 0.1);
+            EXPECT_LT(r.best.objective, -tilt * tilt / 12 + 0.11) << "else it has not gone there";
+            EXPECT_GT(r.evaluations, 28);
+        }
+    }
+    NonlinearProgram p = mirrored_bowl(0);  // one of the images holds
+    p.evaluate = [inner = p.evaluate](const VectorXd& x) {
+        Evaluation at = inner(x);
+        at.objective -= x[5];
+        return at;
+    };
+    std::swap(p.mirror_images[0], p.mirror_images[1]);
+    const MinimizeResult r = minimize(p, by_models(60));
+    EXPECT_NEAR(r.x[2], 0, 1e-9);
+    EXPECT_NEAR(r.x[5], 1.0 / 6, 1e-2);
+}
+
+TEST(MirrorDirections, EvenKeepTheOrderOfTheirColumns) {
+    const VectorXd mu = (VectorXd(6) << 1, -1, 1, -1, 1, 1).finished();
+    const MatrixXd all = MatrixXd::Identity(6, 6);
+    const MirrorDirections mirror({all, mu.asDiagonal(), false, {}}, all, {0, 1, 2, 3, 4, 5});
+    const MatrixXd wanted = all(Eigen::all, std::vector<int>{0, 2, 4, 5});
+    EXPECT_LT((mirror.even_within(all) - wanted).cwiseAbs().maxCoeff(), 1e-12);
+    const VectorXd z = (VectorXd(6) << 1, 2, 3, 4, 5, 6).finished();
+    EXPECT_LT((mirror.in_pairs(z) - z).norm(), 1e-5 * z.norm());  // what moves nothing has no image: no_motion
+    EXPECT_LT((mirror.image(z) - mu.cwiseProduct(z)).norm(), 1e-5 * z.norm());
+    EXPECT_EQ(mirror.even_within(wanted), wanted);
+}
+
+}  // namespace strake

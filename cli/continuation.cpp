@@ -54,7 +54,7 @@ void keep_meaning(Case& the_case, int meaning) {
                   since_limits_are_met_together = 15, since_long_runs_begin_quickly = 16,
                   since_minima_have_directions = 17, since_normals_are_curved = 18, since_patches_are_tried = 18,
                   since_models_have_wide_ranges = 19, since_equations_are_restored = 19, since_shapes_are_free = 19,
-                  since_symmetry_is_seen = 20;
+                  since_symmetry_is_seen = 20, since_rough_fields_are_curved = 21, since_patches_lead_sooner = 21;
     for (WingEntry& wing : the_case.planform) {
         wing.keeps_outline = wing.keeps_outline && meaning >= since_outlines_are_kept;
         wing.rules = meaning < since_noses_are_corners_later ? WingRules::earlier
@@ -92,6 +92,8 @@ void keep_meaning(Case& the_case, int meaning) {
     the_case.optimize.pays_without_shape = meaning < since_shapes_are_free;
     the_case.optimize.ignores_symmetry |= meaning < since_symmetry_is_seen;
     the_case.optimize.one_curvature = meaning < since_normals_are_curved;
+    the_case.optimize.fields_have_one_curvature = meaning < since_rough_fields_are_curved;
+    the_case.optimize.fields_lead = meaning < since_patches_lead_sooner;
     the_case.optimize.patches_last = meaning < since_patches_are_tried;
     the_case.optimize.long_runs_by_differences = meaning < since_long_runs_have_models;
     the_case.optimize.begins_slowly = meaning < since_long_runs_begin_quickly;

@@ -2,6 +2,7 @@
 
 #include "core/error.hpp"
 #include "core/mesh/adjacency.hpp"
+#include "core/mesh/cotangents.hpp"
 #include "core/mesh/geometry.hpp"
 #include "objectives/quantity/closed.hpp"
 #include "objectives/quantity/finite.hpp"
@@ -118,21 +119,6 @@ double willmore(const TriMesh& mesh, const Inner& inside, Points* dJ_dv) {
     return sum;
 }
 
-/// The cotangent matrix of a surface, row k the gradient of half the Dirichlet energy by vertex k.
-Eigen::SparseMatrix<double> cotangents(const TriMesh& mesh) {
-    std::vector<Eigen::Triplet<double>> entries;
-    for (int t = 0; t < mesh.num_triangles(); ++t) {
-        const Facet f = facet(mesh, t);
-        for (int k = 0; k < 3; ++k)
-            for (int l = 0; l < 3; ++l)
-                entries.emplace_back(mesh.triangles(t, k), mesh.triangles(t, l),
-                                     f.opposite[k].dot(f.opposite[l]) / (4 * f.area));
-    }
-    Eigen::SparseMatrix<double> L(mesh.num_vertices(), mesh.num_vertices());
-    L.setFromTriplets(entries.begin(), entries.end());
-    return L;
-}
-
 }  // namespace
 
 Quantity bending_energy(const std::string& name, const TriMesh& start, const std::vector<char>& region,
@@ -150,7 +136,7 @@ Quantity fairness(const std::string& name, const TriMesh& start, const std::vect
                   const std::optional<SymmetryPlane>& symmetry) {
     if (const auto failure = vertices_finite(name, start)) throw InvalidInput(failure->message);
     const Inner inside = inner(name, start, region, symmetry);
-    const auto L = std::make_shared<const Eigen::SparseMatrix<double>>(cotangents(start));
+    const auto L = std::make_shared<const Eigen::SparseMatrix<double>>(cotangent_matrix(start));
     VectorXd weight = vertex_areas(start);
     for (int v = 0; v < start.num_vertices(); ++v) weight[v] = inside.counts[v] ? 1 / weight[v] : 0;
     return checked_quantity(name, {name}, start, [=, rest = start.vertices](const QuantityRequest& request) {

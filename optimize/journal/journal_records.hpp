@@ -24,7 +24,7 @@ struct RunLimits {
 };
 
 /// Of runs that begin now; the first is 1.
-constexpr int latest_meaning = 20;
+constexpr int latest_meaning = 21;
 inline int meaning_of(const std::string& written) {
     for (int meaning = 1; meaning < latest_meaning; ++meaning)
         if (written == std::to_string(meaning)) return meaning;
@@ -64,7 +64,9 @@ struct JournalFacts {
     /// before finer fields (`OptimizeOptions::patches_last`); 19: searches by models begin with wide ranges, too
     /// (`OptimizeOptions::models_begin_with_narrow_ranges`), lead back to equations (`leaves_equations`), and do not
     /// pay for designs that have no valid shape (`pays_without_shape`); 20: long ones search symmetric designs alone
-    /// where values are the same for mirror images (`ignores_symmetry`).
+    /// where values are the same for mirror images (`ignores_symmetry`); 21: models of
+    /// fields have a second curvature (`fields_have_one_curvature`), patches lead sooner, and fields come back after
+    /// the finest of them (`fields_lead`).
     int meaning = latest_meaning;
     std::vector<std::string> values, parameters;  ///< names of the values and of the parameters
     std::map<std::string, std::string> files;     ///< hash of each file that the case names

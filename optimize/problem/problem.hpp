@@ -194,6 +194,11 @@ struct OptimizeOptions {
     /// The meaning of earlier runs: models of patches alone have the metric's curvature, not that of motions along
     /// normals beside it (`NonlinearProgram::second_curvature`).
     bool one_curvature = false;
+    /// The same of models of fields, which have that of rough motions beside it (`roughness`).
+    bool fields_have_one_curvature = false;
+    /// The meaning of earlier runs: in long ones by models patches lead only where they gain nearly what the fields
+    /// before them did, and the finest patches are the last level (optimize/run/level_order.hpp).
+    bool fields_lead = false;
     /// The meaning of earlier runs: long ones by models have their patches beside finer fields, never before them
     /// (optimize/run/level_order.hpp).
     bool patches_last = false;

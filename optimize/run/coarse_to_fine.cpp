@@ -97,8 +97,9 @@ private:
         state_.result.motion = program_.motion_at_end(level.best);
         conclude_run(state_.result,
                      {level, program_.rows(), program_.quantity_failed(), program_.last_failed_in_quantity(),
-                      state_.run_best.feasible, state_.can_refine(), refining_is_idle_, state_.problem.objective,
-                      state_.problem.maximize, state_.limits().evaluations, state_.level_best_evaluation});
+                      state_.run_best.feasible, state_.can_refine() && !order_.is_at_finest(), refining_is_idle_,
+                      state_.problem.objective, state_.problem.maximize, state_.limits().evaluations,
+                      state_.level_best_evaluation});
     }
 
     /// The first batch of a search by models only looks around, unless designs are known.
@@ -154,9 +155,10 @@ private:
         is_in_noise_ = level.stop == MinimizeStop::roundoff;
         if (is_last_ || !may_continue(level) || !state_.can_refine()) return false;
         if (choose_next(x, next)) return true;
-        const bool was_left = level.stop == MinimizeStop::stopped || level.stop == MinimizeStop::outpaced;
-        const bool has_spent_its_share = level.stop == MinimizeStop::evaluations;
-        if (!refining_is_idle_ || !(was_left || has_spent_its_share)) return false;
+        const bool order_ends = !state_.can_refine();
+        const bool was_left = level.stop == MinimizeStop::stopped || level.stop == MinimizeStop::outpaced ||
+                              (order_ends && level.stop == MinimizeStop::no_valid_step);
+        if (!(refining_is_idle_ || order_ends) || !(was_left || level.stop == MinimizeStop::evaluations)) return false;
         level = run_level(x, Entry::finished);
         x = level.x;
         is_in_noise_ = level.stop == MinimizeStop::roundoff;
@@ -225,10 +227,8 @@ private:
         is_trial_wanted_ = false;
         const SplitRule rule = state_.rest->parameters.split;
         if (rule == SplitRule::tree) {
-            if ((next = order_.advance())) {
-                keep_step_of_group(*next);
-                return true;
-            }
+            if ((next = order_.advance())) keep_step_of_group(*next);
+            if (next || !state_.can_refine()) return next.has_value();
             next = budget_.patches_alone();
             if (next && !state_.space.fields.numbers.empty())
                 state_.note(text("level ", state_.space.level + 1, ": there are no finer fields, those of level ",

@@ -13,10 +13,12 @@ namespace {
 constexpr int max_tried_variables = 24;  ///< few evaluations show what so many gain
 /// Evaluations for each variable: of the trial, and of the levels after it.
 constexpr double points_of_trial = 1.5, max_points_of_trial = 3, points_of_a_variable = 2;
-/// Of what an evaluation gained before, patches that gain as much lead: what is tried later has less left to gain.
-constexpr double min_ratio = 0.7;
+/// Of what an evaluation gained before, patches that gain as much lead: what is tried later has less left to gain, and
+/// the finest ones gain more than the few that are tried.
+constexpr double min_ratio = 0.1, min_ratio_where_fields_lead = 0.7;
 constexpr double points_for_fields = 1.5;     ///< with fewer left finer fields are left out
 constexpr double points_left_by_patches = 3;  ///< for finer fields and what follows; else patches have the rest
+constexpr double points_together = 2;         ///< with fewer left fields do not come back
 constexpr int batches_of_trial = 3;
 
 int evaluations_for(double for_each, int variables) { return static_cast<int>(for_each * (variables + 1)); }
@@ -66,6 +68,23 @@ LevelSet LevelOrder::enter(Stage stage, int tree_level, bool has_fields, int lev
     return set;
 }
 
+std::optional<LevelSet> LevelOrder::enter_together() {
+    const int finest = finest_with(max_variables_with_curvature);
+    const FieldSet next = more_fields(state_.rest->parameters, together_);
+    const auto variables = patch_variables(finest) + static_cast<int>(next.numbers.size());
+    if (!(next.reach > together_.reach) || !can_afford(variables, points_together)) {
+        state_.levels_below = 0;
+        return {};
+    }
+    together_ = next;
+    const bool has_more = more_fields(state_.rest->parameters, next).reach > next.reach;
+    state_.note(text("level ", state_.space.level + 1, ": the first ", next.numbers.size(),
+                     " fields come back beside the finest patches, which have come to rest"));
+    LevelSet set = enter(Stage::together, finest, true, has_more ? 1 : 0);
+    set.fields = {next.numbers, state_.space.fields.reach};
+    return set;
+}
+
 double LevelOrder::gain_from(double objective) const {
     return (state_.problem.maximize ? -1 : 1) * (objective - state_.level_best_objective);
 }
@@ -73,18 +92,26 @@ double LevelOrder::gain_from(double objective) const {
 bool LevelOrder::patches_gain_more() const {
     const int evaluations = state_.evaluations_of_level();
     const double gain = evaluations > 0 ? gain_from(state_.result.levels.back().objective_start) : 0;
-    // Fields that gained nothing under limits may only have found no design that keeps them.
-    const bool tells = was_feasible_ && (gain_before_ > 0 || state_.problem.constraints.empty());
-    const bool is_more = tells && gain > 0 && gain * evaluations_before_ >= min_ratio * gain_before_ * evaluations;
+    const bool fields_lead = state_.problem.optimize.fields_lead;
+    const double wanted = fields_lead ? min_ratio_where_fields_lead : min_ratio;
+    const bool tells = was_feasible_ && (gain_before_ > 0 || state_.problem.constraints.empty() ||
+                                         (!fields_lead && state_.start_is_feasible));
+    const bool is_more = tells && gain > 0 && gain * evaluations_before_ >= wanted * gain_before_ * evaluations;
     state_.note(text("level ", state_.space.level, ": these patches gained ", gain, " in ", evaluations,
                      " evaluations, the fields before them ", gain_before_, " in ", evaluations_before_, ": ",
                      is_more ? "patches go first" : "finer fields go first, if there are any"));
     return is_more;
 }
 
+bool LevelOrder::is_at_finest() const {
+    const bool has_finer_fields = num_next_fields() > 0 && !leaves_out_fields_;
+    return stage_ == Stage::together || (stage_ == Stage::patches && !has_finer_fields);
+}
+
 std::optional<LevelSet> LevelOrder::advance() {
     const int tried = finest_with(max_tried_variables), finest = finest_with(max_variables_with_curvature);
     const int fields = num_next_fields();
+    const int levels_after_all = state_.problem.optimize.fields_lead ? 0 : 1;  // fields come back
     switch (stage_) {
         case Stage::first:
             if (!has_order()) break;
@@ -95,19 +122,25 @@ std::optional<LevelSet> LevelOrder::advance() {
             return enter(Stage::trial, tried, false, 2);
         case Stage::trial:
             patches_lead_ = patches_gain_more();
-            if (patches_lead_ || fields == 0) return enter(Stage::patches, finest, false, fields > 0 ? 1 : 0);
+            if (patches_lead_ || fields == 0)
+                return enter(Stage::patches, finest, false, fields > 0 ? 1 : levels_after_all);
             // Where nothing has kept the limits yet, all variables together find it sooner.
             return enter(gain_before_ > 0 ? Stage::fields : Stage::both, tried, true, 1);
         case Stage::patches:
-            return enter(Stage::fields, finest, true, can_afford(fields, points_for_fields) ? 1 : 0);
+            if (fields > 0 && !leaves_out_fields_)
+                return enter(Stage::fields, finest, true, can_afford(fields, points_for_fields) ? 1 : 0);
+            return enter_together();
+        case Stage::together:
+            return enter_together();
         case Stage::fields:
             if (!patches_lead_ && fields > 0) return enter(Stage::both, tried, true, 1);
             if (patches_lead_ && fields > 0 && can_afford(fields, points_for_fields))
                 return enter(Stage::fields, finest, true, 1);
-            return enter(Stage::patches, finest, false, 0);
+            leaves_out_fields_ = fields > 0;
+            return enter(Stage::patches, finest, false, levels_after_all);
         case Stage::both:
             if (fields > 0) return enter(Stage::both, tried, true, 1);
-            return enter(Stage::patches, finest, false, 0);
+            return enter(Stage::patches, finest, false, levels_after_all);
         case Stage::as_the_tree:
             break;
     }
@@ -134,6 +167,8 @@ std::optional<int> LevelOrder::evaluations() const {
         case Stage::fields:
             if (!patches_lead_ && !can_afford(state_.space.size(), points_left_by_patches)) return left;
             return std::clamp(wanted, 1, std::max(1, left / 2));
+        case Stage::together:
+            return left;
         case Stage::first:
         case Stage::both:
         case Stage::as_the_tree:

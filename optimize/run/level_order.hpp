@@ -8,7 +8,9 @@
 /// patches again. Else finer fields by themselves, those after them beside the few patches, and the finest patches at
 /// the end; where nothing has kept the limits yet, fields and patches together from the beginning. Patches rest while
 /// fields go on alone, and fields while patches do, both with what they have done: models learn one group from fewer
-/// points than both. The order follows from what the run has seen, so that a resumed one takes it again.
+/// points than both. Where the finest patches alone have come to rest with evaluations left, the first fields come back
+/// beside them, then more: what each group does, the other one may have to follow. The order follows from what the run
+/// has seen, so that a resumed one takes it again.
 namespace strake {
 
 class LevelOrder {
@@ -18,11 +20,13 @@ public:
     /// Goes on to the level after the present one, which has ended. Empty: this run has no such order, its levels are
     /// those of the tree.
     std::optional<LevelSet> advance();
+    /// No finer patches or fields come below the present level: only coarser fields again.
+    bool is_at_finest() const;
     /// Of the present level. Nothing: by `LevelBudget::by_models`.
     std::optional<int> evaluations() const;
 
 private:
-    enum class Stage { first, trial, patches, fields, both, as_the_tree };
+    enum class Stage { first, trial, patches, fields, both, together, as_the_tree };
 
     bool has_order() const;
     /// Number of variables of the tree's patches at this level, were all of them free; 0: other than loads.
@@ -39,9 +43,15 @@ private:
     /// @param tree_level of the patches @param has_fields finer ones than those of the present level
     LevelSet enter(Stage stage, int tree_level, bool has_fields, int levels_below);
 
+    /// The finest patches beside the first fields, then beside more of these. Empty: there are no more, or too few
+    /// evaluations; the present level is the last one.
+    std::optional<LevelSet> enter_together();
+
     RunState& state_;
     const LevelBudget& budget_;
     Stage stage_ = Stage::first;
+    FieldSet together_;               ///< that have come back
+    bool leaves_out_fields_ = false;  ///< finer ones, which too few evaluations were left for
     bool patches_lead_ = false, was_feasible_ = false;
     double gain_before_ = 0;  ///< of the run, when the trial began
     int evaluations_before_ = 0;

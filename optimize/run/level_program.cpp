@@ -126,6 +126,17 @@ LevelProgram::LevelProgram(RunState& state) : state_(state) {
     std::tie(num_inequalities_, num_equalities_) = count_constraints(state.problem.constraints);
 }
 
+/// Empty: none. Short runs were not measured with it.
+Eigen::MatrixXd LevelProgram::second_curvature() const {
+    const DesignSpace& space = state_.space;
+    const OptimizeOptions& options = state_.problem.optimize;
+    if (options.method != Method::model || space.size() > max_variables_with_curvature ||
+        !is_long_with_fields(state_.problem, state_.limits().evaluations))
+        return {};
+    if (is_of_patches_alone(space)) return options.one_curvature ? Eigen::MatrixXd() : normal_motion(space);
+    return options.fields_have_one_curvature || space.num_parameters() > 0 ? Eigen::MatrixXd() : roughness(space);
+}
+
 const NonlinearProgram& LevelProgram::enter(const Eigen::VectorXd& start, bool is_widened) {
     const DesignSpace& space = state_.space;
     weight_ = space.metric.diagonal().cwiseSqrt();
@@ -148,11 +159,8 @@ const NonlinearProgram& LevelProgram::enter(const Eigen::VectorXd& start, bool i
     };
     program_.metric = inverse.asDiagonal() * space.metric * inverse.asDiagonal();
     const OptimizeOptions& options = state_.problem.optimize;
-    // Short runs of patches alone were not measured with it.
-    if (options.method == Method::model && !options.one_curvature && is_of_patches_alone(space) &&
-        space.size() <= max_variables_with_curvature &&
-        is_long_with_fields(state_.problem, state_.limits().evaluations))
-        program_.second_curvature = inverse.asDiagonal() * normal_motion(space) * inverse.asDiagonal();
+    if (const Eigen::MatrixXd second = second_curvature(); second.size() > 0)
+        program_.second_curvature = inverse.asDiagonal() * second * inverse.asDiagonal();
     program_.present_metric = [this](const Eigen::VectorXd& y, const Eigen::VectorXd& d) {
         const Eigen::VectorXd product = state_.evaluator.metric_product(unscaled(y), d.cwiseQuotient(weight_));
         return product.size() > 0 ? Eigen::VectorXd(product.cwiseQuotient(weight_)) : product;

@@ -72,6 +72,7 @@ public:
     bool last_failed_in_quantity() const { return last_failed_in_quantity_; }
 
 private:
+    Eigen::MatrixXd second_curvature() const;
     Evaluation evaluate(const Eigen::VectorXd& x);
     void differentiate(Evaluation& sample);
     void limit_motion();

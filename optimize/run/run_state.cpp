@@ -144,6 +144,7 @@ bool RunState::record(const Eigen::VectorXd& x, const ShapeEvaluation& evaluatio
     if (record.accepted) {
         if (result.best_evaluation == 0) {
             result.objective_start = objective;
+            start_is_feasible = rank.feasible;
             result.values_start = evaluation.values;
             const std::vector<double> at_rest = values_at_rest(evaluation.values);
             for (std::size_t i = 0; i < at_rest.size(); ++i) at_rest_.emplace_back(result.names[i], at_rest[i]);

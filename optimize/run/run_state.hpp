@@ -81,6 +81,7 @@ public:
     Eigen::MatrixXd prolongation;  ///< from the level before, variables x variables; empty on the first
     RunResult result;
     Rank level_best, run_best;
+    bool start_is_feasible = false;
     Points level_best_vertices;
     int level_best_evaluation = 0;
     Eigen::VectorXd level_best_x;  ///< empty: the level has no evaluation that is ok

@@ -12,7 +12,7 @@ class ResponseCache {
 public:
     struct Column {
         double largest;
-        Eigen::VectorXd samples, work_integrals;
+        Eigen::VectorXd samples, laplacians, work_integrals;
     };
     /// Drops everything unless `pin` is that of the last call.
     void use(const std::vector<int>& pin);

@@ -2,6 +2,7 @@
 
 #include "core/error.hpp"
 #include "core/fields/displacement_fields.hpp"
+#include "core/mesh/cotangents.hpp"
 #include "optimize/space/motion_limit.hpp"
 #include "optimize/space/response_cache.hpp"
 #include "optimize/space/rest_shell.hpp"
@@ -37,16 +38,32 @@ public:
         stride_ = std::max(1, rest.surface.num_vertices() / max_samples);
         for (int v = 0; v < rest.surface.num_vertices(); v += stride_) sampled_area_ += rest.vertex_area[v];
     }
+    /// Columns have Laplacians from here on; zero at open edges, where a row is what flows across them.
+    void prepare_laplacians() {
+        cotangents_ = cotangent_rows(rest_.surface, sampled_vertices(rest_));
+        // Around a vertex inside the surface each neighbour follows one and is followed by another.
+        open_fan_.assign(static_cast<std::size_t>(rest_.surface.num_vertices()), 0);
+        const Triangles& triangles = rest_.surface.triangles;
+        for (int t = 0; t < triangles.rows(); ++t)
+            for (int k = 0; k < 3; ++k)
+                open_fan_[triangles(t, k)] += triangles(t, (k + 2) % 3) - triangles(t, (k + 1) % 3);
+    }
 
     /// @param of_shell what does work, where `dv` (of the surface) is by a load
     ResponseCache::Column operator()(const Points& dv, const Points* of_shell) const {
         const int count = (rest_.surface.num_vertices() + stride_ - 1) / stride_;
         ResponseCache::Column column{std::sqrt(dv.rowwise().squaredNorm().maxCoeff()), Eigen::VectorXd::Zero(3 * count),
+                                     Eigen::VectorXd::Zero(3 * count),
                                      Eigen::VectorXd::Zero(num_work_integrals(rest_))};
         for (int s = 0; s < count; ++s)
             column.samples.segment<3>(3 * s) =
                 std::sqrt(rest_.vertex_area[s * stride_] / sampled_area_) * dv.row(s * stride_).transpose();
         if (of_shell) column.work_integrals = work_integrals(*of_shell);
+        if (cotangents_.rows() == 0) return column;
+        const Points integrals = cotangents_ * dv;
+        for (int s = 0; s < count; ++s)
+            if (const double area = rest_.vertex_area[s * stride_]; area > 0 && open_fan_[s * stride_] == 0)
+                column.laplacians.segment<3>(3 * s) = -integrals.row(s).transpose() / std::sqrt(area * sampled_area_);
         return column;
     }
 
@@ -89,6 +106,8 @@ private:
     const PatchLevel& leaves_;
     int stride_ = 1;
     double sampled_area_ = 0;
+    Eigen::SparseMatrix<double> cotangents_;  ///< rows of sampled vertices; empty: no Laplacians are wanted
+    std::vector<long> open_fan_;              ///< per vertex: 0, but where the fan of its triangles is open
 };
 
 /// Responses of the listed variables at the equilibrium of the shell, per unit of each.
@@ -97,7 +116,8 @@ std::vector<ResponseCache::Column> columns_at(const DesignSpace& space, PrimoShe
     DesignSpace movers = space;
     movers.variables.clear();
     for (const int j : wanted) movers.variables.push_back(space.variables[j]);
-    const Reduction reduce(*space.rest);
+    Reduction reduce(*space.rest);
+    reduce.prepare_laplacians();
     std::vector<ResponseCache::Column> columns;
     if (!wanted.empty())
         design_response(
@@ -115,12 +135,14 @@ Responses none(const DesignSpace& space) {
     const int stride = std::max(1, rest.surface.num_vertices() / max_samples);
     const int count = (rest.surface.num_vertices() + stride - 1) / stride;
     return {Eigen::VectorXd::Zero(space.size()), Eigen::MatrixXd::Zero(3 * count, space.size()),
+            Eigen::MatrixXd::Zero(3 * count, space.size()),
             Eigen::MatrixXd::Zero(num_work_integrals(rest), space.size())};
 }
 
 void set(Responses& responses, int j, const ResponseCache::Column& column, double scale) {
     responses.largest[j] = scale * column.largest;
     responses.samples.col(j) = scale * column.samples;
+    responses.laplacians.col(j) = scale * column.laplacians;
     responses.work_integrals.col(j) = scale * column.work_integrals;
 }
 
@@ -248,6 +270,11 @@ Eigen::MatrixXd response_metric(const DesignSpace& space, const Responses& respo
 Eigen::MatrixXd normal_motion(const DesignSpace& space) {
     const Eigen::MatrixXd along = Reduction(*space.rest).along_normals(responses_at_rest(space).samples);
     return along.transpose() * along;
+}
+
+Eigen::MatrixXd roughness(const DesignSpace& space) {
+    const Eigen::MatrixXd laplacians = responses_at_rest(space).laplacians;
+    return laplacians.transpose() * laplacians;
 }
 
 Eigen::VectorXd present_product(const DesignSpace& space, PrimoShell* shell, const Eigen::VectorXd& d,

@@ -9,6 +9,7 @@ namespace strake {
 struct Responses {
     Eigen::VectorXd largest;  ///< displacement
     Eigen::MatrixXd samples;  ///< column j: displacements of sampled vertices times the root of their share of the area
+    Eigen::MatrixXd laplacians;  ///< of the displacements along the surface, there and likewise
     /// Column j: integrals of the displacement (x, y, z) and of its normal part over each leaf of the tree, rest area,
     /// then the work of every given load at its value 1; zero for strains. The work of any load in response j is a sum
     /// of these.
@@ -39,6 +40,12 @@ Eigen::MatrixXd response_metric(const DesignSpace& space, const Responses& respo
 /// smooth surface does not change its shape.
 /// @pre all variables are of the shape
 Eigen::MatrixXd normal_motion(const DesignSpace& space);
+
+/// size() x size(), positive semidefinite: x.this.x is the mean square of the motion's Laplacian along the surface, in
+/// 1 over units of the model squared, by the linear response at rest, but for vertices at open edges; zero for
+/// stiffness. Values of a smooth shape curve more with changes of it that are rougher. @pre all variables are of the
+/// shape
+Eigen::MatrixXd roughness(const DesignSpace& space);
 
 /// Work of a load variable, at x = 1, that is soft for this space: the lower quartile; 0 without loads.
 double soft_work(const DesignSpace& space, const Responses& responses);

@@ -51,6 +51,10 @@ VectorXd SampledPoints::variables(const VectorXd& z) const {
     return x.cwiseMax(program_.lower).cwiseMin(program_.upper);
 }
 
+VectorXd SampledPoints::within_directions(const VectorXd& x) const {
+    return Q_.size() > 0 ? variables(whitened(x)) : x;
+}
+
 VectorXd SampledPoints::unwhitened(const VectorXd& gradient) const {
     VectorXd g = VectorXd::Zero(program_.start.size());
     g(free_) = U_.transpose() * (Q_.size() > 0 ? VectorXd(Q_ * gradient) : gradient);

@@ -22,6 +22,8 @@ public:
     /// From here on z = Q^T U (x - start): the program is searched in these directions alone. Points beside them are
     /// forgotten, but for the first. @param Q orthonormal columns in the coordinates of before
     void restrict_to(const Eigen::MatrixXd& Q);
+    /// x, or the design next to it that those directions have.
+    Eigen::VectorXd within_directions(const Eigen::VectorXd& x) const;
     Eigen::MatrixXd by_variables() const;                                 ///< d z / d free variables
     Eigen::MatrixXd free_along(const Eigen::MatrixXd& directions) const;  ///< free variables by directions of z
     /// A point, with values or failed, is this near.

@@ -103,28 +103,30 @@ private:
     /// Where values are the same for mirror images, slopes across the symmetry are zero: what is symmetric is searched.
     void look_for_symmetry() {
         const MirrorLook look(program(), points_);
-        if (!look.is_worth(left())) return;
-        region_.centre = centre().z;
-        look_at_limits();
+        const bool is_new = guard_.options.evaluations_before == 0;  // else the search before has looked
+        const MatrixXd even = look.even(is_new && look.is_worth(left()) ? compared(look) : std::vector<char>{});
+        if (has_ended_ || even.cols() == points_.dimensions()) return;
+        guard_.report_event(look.words(even.cols()));
+        if (guard_.options.limit_follows_variables)
+            guard_.limit = guard_.evaluations + look.evaluations_for(even.cols(), left(), guard_.options.batch);
+        points_.restrict_to(even);
+    }
+
+    std::vector<char> compared(const MirrorLook& look) {
+        region_.centre = centre().z, look_at_limits();
         const std::vector<VectorXd> steps = look.steps(first_length * radius_, guard_.options.seed);
         const int known = points_.size();
         std::vector<char> holds;
         for (std::size_t k = 1; k < steps.size() && (k == 1 || holds[0]); ++k) {
             std::vector<Proposal> batch;
-            const bool is_there = (k > 1 || add_step(batch, steps[0])) && add_step(batch, steps[k]);
-            if (!is_there) break;  // limits move it
+            if (!((k > 1 || add_step(batch, steps[0])) && add_step(batch, steps[k]))) break;  // limits move it
             evaluate(batch);
-            if (has_ended_) return;
+            if (has_ended_) return holds;
             if (points_.size() != known + static_cast<int>(k) + 1) break;  // failures tell nothing
             holds.push_back(look.is_same(points_[0], points_[known], points_[points_.size() - 1]));
         }
         points_.forget_from(known);  // first steps are better taken in order
-        const MatrixXd even = look.even(holds);
-        if (even.cols() == points_.dimensions()) return;
-        guard_.report_event(look.words(even.cols()));
-        if (guard_.options.limit_follows_variables)
-            guard_.limit = guard_.evaluations + look.evaluations_for(even.cols(), left(), guard_.options.batch);
-        points_.restrict_to(even);
+        return holds;
     }
 
     bool add_step(std::vector<Proposal>& batch, const VectorXd& step) {
@@ -447,16 +449,16 @@ private:
     }
 
     /// Where it is evaluated, unless that is known.
-    void add(std::vector<Proposal>& batch, const VectorXd& asked, double radius) {
+    void add(std::vector<Proposal>& batch, const VectorXd& wanted, double radius) {
+        const VectorXd asked = points_.within_directions(wanted);  // exact limits may lead aside
         const AllowedDesigns::Shape there =
             allowed_.has_turns() ? AllowedDesigns::Shape{guard_.inside(asked)} : allowed_.with_shape(asked);
         if (guard_.cause != StopCause::none || has_no_shape(there)) return;
-        const VectorXd& x = there.x;
-        Proposal p{x, points_.whitened(x), radius, {}};
+        Proposal p{there.x, points_.whitened(there.x), radius, {}};
         const double least = min_distance * radius_;
         if (points_.knows(p.z, least)) return;
         if (std::ranges::any_of(batch, [&](const Proposal& q) { return (q.z - p.z).norm() <= least; })) return;
-        if (models_) p.expected = minimum_.expected(*models_, x);
+        if (models_) p.expected = minimum_.expected(*models_, there.x);
         batch.push_back(std::move(p));
     }
 
@@ -569,8 +571,7 @@ private:
         return end(found.stop, found.reason);
     }
     bool end(MinimizeStop stop, const std::string& reason) {
-        end_.stop = stop;
-        end_.reason = reason;
+        end_.stop = stop, end_.reason = reason;
         return has_ended_ = true;
     }
 

@@ -1,8 +1,12 @@
 #include "optimize/space/response_metric.hpp"
 
+#include "core/fields/displacement_fields.hpp"
+#include "core/mesh/cotangents.hpp"
+#include "core/mesh/geometry.hpp"
 #include "problems.hpp"
 
 #include <gtest/gtest.h>
+#include <Eigen/Eigenvalues>
 
 using namespace strake;
 
@@ -40,4 +44,57 @@ TEST(ResponseMetric, AGroupWithOtherMembersHasItsOwnResponse) {
     EXPECT_EQ(of_second.largest[0], alone.largest[0]);
     EXPECT_EQ(of_second.samples, alone.samples);
     EXPECT_GT((of_second.samples - of_first.samples).norm(), 1e-3 * of_first.samples.norm());
+}
+
+namespace {
+
+/// Fields beside loads, of a body in this unit.
+DesignSpace fields_beside_loads(double unit) {
+    Problem problem = ellipsoid_problem(3, 2, unit);
+    FieldConditions conditions;
+    conditions.held = problem.fixed;
+    add_fields(problem.parameters,
+               std::make_shared<const DisplacementFields>(problem.surface, conditions, FieldOptions{27, {}}));
+    problem.parameters.field_steps = {27};
+    problem.parameters.kinds = {VariableKind::normal_load};
+    return design_space(rest_facts(problem), 1);
+}
+
+}  // namespace
+
+/// That of a field is the mean square of the Laplacian of what it moves; those of loads stand beside it, and finer
+/// fields are rougher.
+TEST(ResponseMetric, RoughnessIsTheMeanSquareLaplacian) {
+    const DesignSpace space = fields_beside_loads(1);
+    const Eigen::MatrixXd rough = roughness(space);
+    const TriMesh& surface = space.rest->surface;
+    const Eigen::VectorXd area = vertex_areas(surface);
+    double least = 1e300, most = 0;
+    int fields = 0;
+    for (int j = 0; j < space.size(); ++j) {
+        EXPECT_GT(rough(j, j), 0) << space.variables[j].name;
+        if (space.variables[j].kind != VariableKind::field) continue;
+        ++fields;
+        const int b = space.rest->parameters.user_variables[space.variables[j].component].field;
+        const Points moved = space.variables[j].unit * space.rest->parameters.fields->field(b);
+        const Points integrals = cotangent_matrix(surface) * moved;
+        double sum = 0, squares = 0;
+        for (int v = 0; v < surface.num_vertices(); ++v) {
+            sum += integrals.row(v).squaredNorm() / area[v];
+            squares += area[v] * moved.row(v).squaredNorm();
+        }
+        EXPECT_NEAR(rough(j, j), sum / area.sum(), 1e-9 * rough(j, j)) << space.variables[j].name;
+        least = std::min(least, sum / squares), most = std::max(most, sum / squares);
+    }
+    EXPECT_EQ(fields, 27);
+    EXPECT_LT(fields, space.size());
+    EXPECT_GT(most, 10 * least) << "else it says nothing that the metric does not";
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> of(rough);
+    EXPECT_GT(of.eigenvalues().minCoeff(), -1e-12 * of.eigenvalues().maxCoeff());
+}
+
+/// Motions go with the size of the body, their Laplacians against it.
+TEST(ResponseMetric, RoughnessIsInOneOverLengthSquared) {
+    const Eigen::MatrixXd one = roughness(fields_beside_loads(1)), other = roughness(fields_beside_loads(1000));
+    EXPECT_LT((1e6 * other - one).norm(), 1e-6 * one.norm());
 }

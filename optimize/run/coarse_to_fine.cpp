@@ -97,9 +97,8 @@ private:
         state_.result.motion = program_.motion_at_end(level.best);
         conclude_run(state_.result,
                      {level, program_.rows(), program_.quantity_failed(), program_.last_failed_in_quantity(),
-                      state_.run_best.feasible, state_.can_refine() && !order_.is_at_finest(), refining_is_idle_,
-                      state_.problem.objective, state_.problem.maximize, state_.limits().evaluations,
-                      state_.level_best_evaluation});
+                      state_.run_best.feasible, order_.has_finer_below(), refining_is_idle_, state_.problem.objective,
+                      state_.problem.maximize, state_.limits().evaluations, state_.level_best_evaluation});
     }
 
     /// The first batch of a search by models only looks around, unless designs are known.
@@ -220,21 +219,21 @@ private:
                state_.seconds_left() > 0;
     }
 
+    bool choose_in_order(std::optional<LevelSet>& next) {
+        if ((next = order_.advance())) keep_step_of_group(*next);
+        if (next || !state_.can_refine()) return next.has_value();
+        if ((next = budget_.patches_alone()) && !state_.space.fields.numbers.empty())
+            state_.note(text("level ", state_.space.level + 1, ": there are no finer fields, those of level ",
+                             state_.space.level, " stay as they are, and patches alone are searched"));
+        return true;
+    }
     /// What the next level is made of where the run chooses it. False: refining is expected to gain nothing.
     bool choose_next(const Eigen::VectorXd& x, std::optional<LevelSet>& next) {
         next.reset(), probed_ = 1;
         forecast_of_next_ = forecast_of_details();
         is_trial_wanted_ = false;
         const SplitRule rule = state_.rest->parameters.split;
-        if (rule == SplitRule::tree) {
-            if ((next = order_.advance())) keep_step_of_group(*next);
-            if (next || !state_.can_refine()) return next.has_value();
-            next = budget_.patches_alone();
-            if (next && !state_.space.fields.numbers.empty())
-                state_.note(text("level ", state_.space.level + 1, ": there are no finer fields, those of level ",
-                                 state_.space.level, " stay as they are, and patches alone are searched"));
-            return true;
-        }
+        if (rule == SplitRule::tree) return choose_in_order(next);
         if (may_try()) return is_trial_wanted_ = true;
         if (program_.has_choice() && state_.space.size() > 0 && !budget_.can_pay_trial()) {
             state_.note("refinement: too few evaluations are left for it");

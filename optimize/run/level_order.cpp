@@ -108,6 +108,14 @@ bool LevelOrder::is_at_finest() const {
     return stage_ == Stage::together || (stage_ == Stage::patches && !has_finer_fields);
 }
 
+bool LevelOrder::has_finer_below() const { return state_.can_refine() && !is_at_finest(); }
+
+std::optional<LevelSet> LevelOrder::after_patches(int finest, int fields) {
+    if (fields > 0 && !leaves_out_fields_)
+        return enter(Stage::fields, finest, true, can_afford(fields, points_for_fields) ? 1 : 0);
+    return enter_together();
+}
+
 std::optional<LevelSet> LevelOrder::advance() {
     const int tried = finest_with(max_tried_variables), finest = finest_with(max_variables_with_curvature);
     const int fields = num_next_fields();
@@ -127,9 +135,7 @@ std::optional<LevelSet> LevelOrder::advance() {
             // Where nothing has kept the limits yet, all variables together find it sooner.
             return enter(gain_before_ > 0 ? Stage::fields : Stage::both, tried, true, 1);
         case Stage::patches:
-            if (fields > 0 && !leaves_out_fields_)
-                return enter(Stage::fields, finest, true, can_afford(fields, points_for_fields) ? 1 : 0);
-            return enter_together();
+            return after_patches(finest, fields);
         case Stage::together:
             return enter_together();
         case Stage::fields:

@@ -22,6 +22,7 @@ public:
     std::optional<LevelSet> advance();
     /// No finer patches or fields come below the present level: only coarser fields again.
     bool is_at_finest() const;
+    bool has_finer_below() const;  ///< the run may go on, and not only with those
     /// Of the present level. Nothing: by `LevelBudget::by_models`.
     std::optional<int> evaluations() const;
 
@@ -46,6 +47,7 @@ private:
     /// The finest patches beside the first fields, then beside more of these. Empty: there are no more, or too few
     /// evaluations; the present level is the last one.
     std::optional<LevelSet> enter_together();
+    std::optional<LevelSet> after_patches(int finest, int fields);
 
     RunState& state_;
     const LevelBudget& budget_;

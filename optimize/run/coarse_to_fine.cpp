@@ -219,6 +219,7 @@ private:
                state_.seconds_left() > 0;
     }
 
+    /// By `LevelOrder`, else as the tree has it. False: that order ends.
     bool choose_in_order(std::optional<LevelSet>& next) {
         if ((next = order_.advance())) keep_step_of_group(*next);
         if (next || !state_.can_refine()) return next.has_value();

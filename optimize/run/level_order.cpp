@@ -103,12 +103,11 @@ bool LevelOrder::patches_gain_more() const {
     return is_more;
 }
 
-bool LevelOrder::is_at_finest() const {
+bool LevelOrder::has_finer_below() const {
     const bool has_finer_fields = num_next_fields() > 0 && !leaves_out_fields_;
-    return stage_ == Stage::together || (stage_ == Stage::patches && !has_finer_fields);
+    const bool is_at_finest = stage_ == Stage::together || (stage_ == Stage::patches && !has_finer_fields);
+    return state_.can_refine() && !is_at_finest;
 }
-
-bool LevelOrder::has_finer_below() const { return state_.can_refine() && !is_at_finest(); }
 
 std::optional<LevelSet> LevelOrder::after_patches(int finest, int fields) {
     if (fields > 0 && !leaves_out_fields_)

@@ -20,9 +20,8 @@ public:
     /// Goes on to the level after the present one, which has ended. Empty: this run has no such order, its levels are
     /// those of the tree.
     std::optional<LevelSet> advance();
-    /// No finer patches or fields come below the present level: only coarser fields again.
-    bool is_at_finest() const;
-    bool has_finer_below() const;  ///< the run may go on, and not only with those
+    /// Finer patches or fields may come below the present level, not only coarser fields again.
+    bool has_finer_below() const;
     /// Of the present level. Nothing: by `LevelBudget::by_models`.
     std::optional<int> evaluations() const;
 
@@ -47,6 +46,7 @@ private:
     /// The finest patches beside the first fields, then beside more of these. Empty: there are no more, or too few
     /// evaluations; the present level is the last one.
     std::optional<LevelSet> enter_together();
+    /// Of the tree's level `finest`. @param fields of the next step; 0: there are no finer ones
     std::optional<LevelSet> after_patches(int finest, int fields);
 
     RunState& state_;

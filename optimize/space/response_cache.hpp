@@ -12,7 +12,9 @@ class ResponseCache {
 public:
     struct Column {
         double largest;
-        Eigen::VectorXd samples, laplacians, work_integrals;
+        Eigen::VectorXd samples;     ///< displacements: `Responses::samples`
+        Eigen::VectorXd laplacians;  ///< of these along the surface, likewise
+        Eigen::VectorXd work_integrals;
     };
     /// Drops everything unless `pin` is that of the last call.
     void use(const std::vector<int>& pin);

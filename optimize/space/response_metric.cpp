@@ -135,14 +135,12 @@ Responses none(const DesignSpace& space) {
     const int stride = std::max(1, rest.surface.num_vertices() / max_samples);
     const int count = (rest.surface.num_vertices() + stride - 1) / stride;
     return {Eigen::VectorXd::Zero(space.size()), Eigen::MatrixXd::Zero(3 * count, space.size()),
-            Eigen::MatrixXd::Zero(3 * count, space.size()),
             Eigen::MatrixXd::Zero(num_work_integrals(rest), space.size())};
 }
 
 void set(Responses& responses, int j, const ResponseCache::Column& column, double scale) {
     responses.largest[j] = scale * column.largest;
     responses.samples.col(j) = scale * column.samples;
-    responses.laplacians.col(j) = scale * column.laplacians;
     responses.work_integrals.col(j) = scale * column.work_integrals;
 }
 
@@ -273,7 +271,10 @@ Eigen::MatrixXd normal_motion(const DesignSpace& space) {
 }
 
 Eigen::MatrixXd roughness(const DesignSpace& space) {
-    const Eigen::MatrixXd laplacians = responses_at_rest(space).laplacians;
+    Eigen::MatrixXd laplacians = Eigen::MatrixXd::Zero(responses_at_rest(space).samples.rows(), space.size());
+    for (int j = 0; j < space.size(); ++j)
+        if (const auto* column = space.rest->cache->find(key_of(space, space.variables[j])))
+            laplacians.col(j) = space.variables[j].unit * column->laplacians;
     return laplacians.transpose() * laplacians;
 }
 

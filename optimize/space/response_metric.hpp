@@ -9,7 +9,6 @@ namespace strake {
 struct Responses {
     Eigen::VectorXd largest;  ///< displacement
     Eigen::MatrixXd samples;  ///< column j: displacements of sampled vertices times the root of their share of the area
-    Eigen::MatrixXd laplacians;  ///< of the displacements along the surface, there and likewise
     /// Column j: integrals of the displacement (x, y, z) and of its normal part over each leaf of the tree, rest area,
     /// then the work of every given load at its value 1; zero for strains. The work of any load in response j is a sum
     /// of these.

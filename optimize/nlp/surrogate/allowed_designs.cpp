@@ -1,6 +1,7 @@
 #include "optimize/nlp/surrogate/allowed_designs.hpp"
 
 #include "optimize/nlp/model/quadratic_model.hpp"
+#include "optimize/nlp/surrogate/local_models.hpp"
 
 #include <limits>
 
@@ -12,7 +13,8 @@ namespace {
 
 constexpr int max_projections = 8, max_turns = 5;
 constexpr double way_kept = 0.6;  ///< of a step to where there is no shape
-constexpr int max_cuts = 8;
+constexpr int max_cuts = 8, max_ways_back = 12;
+constexpr double same_directions = 1e-9;
 
 }  // namespace
 
@@ -43,6 +45,17 @@ AllowedDesigns::Shape AllowedDesigns::with_shape(const VectorXd& x) {
         there.is_shortened = true;
     }
     return there;
+}
+
+AllowedDesigns::Shape AllowedDesigns::within(const SampledPoints& points, const VectorXd& x) {
+    VectorXd asked = points.within_directions(x);
+    for (int k = 0;; ++k) {
+        Shape there = has_turns() ? Shape{guard_.inside(asked)} : with_shape(asked);
+        const VectorXd back = points.within_directions(there.x);
+        const bool is_there = (back - there.x).norm() <= same_directions * there.x.norm();
+        if (is_there || k == max_ways_back || guard_.cause != StopCause::none) return there;
+        asked = back;
+    }
 }
 
 VectorXd AllowedDesigns::nearest(const VectorXd& asked) {

@@ -4,6 +4,8 @@
 /// Which designs are allowed, as far as that is known before they are evaluated. Internal to the search by models.
 namespace strake {
 
+class SampledPoints;
+
 /// By constraints that a cheap program tells exactly, and by the limit of motion (`NonlinearProgram::beyond`):
 /// conditions on steps from where one looks from, learned from the steps that would lead beyond it. Asks the cheap
 /// program, and the expensive one for its limit and whether it is defined only.
@@ -28,6 +30,9 @@ public:
     };
     /// Where x is evaluated (`Guard::inside`); where that is not defined, a shorter way there, down to a sixtieth.
     Shape with_shape(const Eigen::VectorXd& x);
+    /// The same in the directions of the search alone (`SampledPoints::restrict_to`): limits lead aside of them, and
+    /// each way back meets the limits by less.
+    Shape within(const SampledPoints& points, const Eigen::VectorXd& x);
     /// A design next to x, in the metric, that is allowed, where it is evaluated: from x by the slopes of both kinds of
     /// limits, so that they are met together, then from what is found (Newton's method), until the constraints are met.
     /// The one of least violation where that ends.

@@ -450,9 +450,7 @@ private:
 
     /// Where it is evaluated, unless that is known.
     void add(std::vector<Proposal>& batch, const VectorXd& wanted, double radius) {
-        const VectorXd asked = points_.within_directions(wanted);  // exact limits may lead aside
-        const AllowedDesigns::Shape there =
-            allowed_.has_turns() ? AllowedDesigns::Shape{guard_.inside(asked)} : allowed_.with_shape(asked);
+        const AllowedDesigns::Shape there = allowed_.within(points_, wanted);
         if (guard_.cause != StopCause::none || has_no_shape(there)) return;
         Proposal p{there.x, points_.whitened(there.x), radius, {}};
         const double least = min_distance * radius_;

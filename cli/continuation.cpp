@@ -54,7 +54,8 @@ void keep_meaning(Case& the_case, int meaning) {
                   since_limits_are_met_together = 15, since_long_runs_begin_quickly = 16,
                   since_minima_have_directions = 17, since_normals_are_curved = 18, since_patches_are_tried = 18,
                   since_models_have_wide_ranges = 19, since_equations_are_restored = 19, since_shapes_are_free = 19,
-                  since_symmetry_is_seen = 20, since_rough_fields_are_curved = 21, since_patches_lead_sooner = 21;
+                  since_symmetry_is_seen = 20, since_rough_fields_are_curved = 21, since_patches_lead_sooner = 21,
+                  since_all_fields_are_offered = 22, since_steps_are_free = 22, since_limits_are_restored = 22;
     for (WingEntry& wing : the_case.planform) {
         wing.keeps_outline = wing.keeps_outline && meaning >= since_outlines_are_kept;
         wing.rules = meaning < since_noses_are_corners_later ? WingRules::earlier
@@ -72,6 +73,7 @@ void keep_meaning(Case& the_case, int meaning) {
                               : meaning < since_boxes_sum            ? RadialSums::by_centers
                                                                      : RadialSums::by_boxes;
     the_case.parameters.fields.products_as_before = meaning < since_large_bodies_are_quick;
+    the_case.parameters.fields.are_offered_by_steps = meaning < since_all_fields_are_offered;
     the_case.parameters.fields.are_sections_by_default = meaning < since_wings_have_fields;
     the_case.parameters.kept_rules = meaning < since_polynomials_keep_edges ? KeptRules::earlier
                                      : meaning < since_coarse_noses_stay    ? KeptRules::coarse_noses_move
@@ -89,7 +91,9 @@ void keep_meaning(Case& the_case, int meaning) {
     the_case.optimize.limits_by_turns = meaning < since_limits_are_met_together;
     the_case.optimize.minima_in_variables = meaning < since_minima_have_directions;
     the_case.optimize.leaves_equations = meaning < since_equations_are_restored;
+    the_case.optimize.leaves_limits = meaning < since_limits_are_restored;
     the_case.optimize.pays_without_shape = meaning < since_shapes_are_free;
+    the_case.optimize.steps_pay_without_shape = meaning < since_steps_are_free;
     the_case.optimize.ignores_symmetry |= meaning < since_symmetry_is_seen;
     the_case.optimize.one_curvature = meaning < since_normals_are_curved;
     the_case.optimize.fields_have_one_curvature = meaning < since_rough_fields_are_curved;

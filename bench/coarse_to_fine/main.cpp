@@ -41,8 +41,10 @@ constexpr EarlierWay earlier_ways[] = {
     {"--narrow-ranges", &OptimizeOptions::models_begin_with_narrow_ranges,
      "model searches in the ranges of what each variable may do alone"},
     {"--leaves-equations", &OptimizeOptions::leaves_equations, "nothing leads model back to equations"},
+    {"--leaves-limits", &OptimizeOptions::leaves_limits, "nothing leads model back to limits that are known exactly"},
     {"--ignores-symmetry", &OptimizeOptions::ignores_symmetry, "model searches symmetric designs among all others"},
-    {"--pays-without-shape", &OptimizeOptions::pays_without_shape, "model evaluates designs that have no valid shape"}};
+    {"--pays-without-shape", &OptimizeOptions::pays_without_shape, "model evaluates designs that have no valid shape"},
+    {"--steps-pay-without-shape", &OptimizeOptions::steps_pay_without_shape, "the same of the steps of sqp"}};
 
 struct Settings {
     std::vector<std::string> problems = problem_names();

@@ -7,6 +7,7 @@
 #include "optimize/evaluate/validity.hpp"
 #include "optimize/nlp/minimizer.hpp"
 #include "optimize/run/coarse_to_fine.hpp"
+#include "optimize/run/method_choice.hpp"
 #include "optimize/space/refinement.hpp"
 
 #include <cmath>
@@ -369,19 +370,9 @@ void run_comparator(const EvidenceProblem& evidence, const ComparedMotion& motio
     result.levels = text(result.variables);
     result.notes.push_back(motion.name);
     Comparator comparator(evidence, motion, tracer);
-    const OptimizeOptions& options = evidence.problem.optimize;
-    MinimizeOptions how;
+    MinimizeOptions how = options_of_searches(evidence.problem.optimize);
     how.method = method;
     how.max_evaluations = budget;
-    how.objective_tolerance = options.objective_tolerance;
-    how.step_tolerance = options.step_tolerance;
-    how.constraint_tolerance = options.constraint_tolerance;
-    how.batch = options.batch;
-    how.limits_by_models = options.limits_by_models;
-    how.limits_by_turns = options.limits_by_turns;
-    how.minima_in_variables = options.minima_in_variables;
-    how.leaves_equations = options.leaves_equations;
-    how.pays_without_shape = options.pays_without_shape;
     if (!how.limits_by_models)
         for (int j = motion.size(); j < result.variables; ++j) how.first_alone.push_back(j);
     how.on_step = [&](const MinimizeStep&) { return !tracer.has_enough(); };

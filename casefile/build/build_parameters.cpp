@@ -24,6 +24,8 @@ void ProblemBuilder::set_parameters() {
     if (entry.split.kind == SplitEntry::Kind::sensitivity) p.split = SplitRule::sensitivity;
     if (entry.split.kind == SplitEntry::Kind::gradient) p.split = SplitRule::gradient;
     p.marking_fraction = entry.marking_fraction;
+    // Where gradients grow with fineness, as of the drag of a wave, all finer splines always promise more.
+    p.offers_fields_by_steps = entry.fields.are_offered_by_steps || entry.fields.along == AlongAxis::splines;
     p.max_variable_ratio = entry.max_variable_ratio;
     p.mirror = entry.mirror;
     p.keeps_smooth_border = entry.keeps_smooth_border;

@@ -211,6 +211,7 @@ struct FieldsEntry {
     Kind kind = Kind::automatic;
     bool are_sections_by_default = false;  ///< what `automatic` means to a run that began so
     bool products_as_before = false;       ///< `FieldOptions`: of a run that began so
+    bool are_offered_by_steps = false;     ///< `Parameters`: of a run that began so
     Place place;
 };
 

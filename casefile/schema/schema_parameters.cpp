@@ -138,7 +138,8 @@ std::vector<Key> split_keys() {
          .count = 3},
         {.path = "parameters.marking_fraction",
          .type = Type::fraction,
-         .doc = "Patches are marked for splitting until they account for this share of the total expected decrease.",
+         .doc = "Patches are marked for splitting until they account for this share of the total expected decrease; "
+                "with sensitivity displacement fields are taken until 99% (not of splines).",
          .fallback = "90%",
          .limits = {0, 1, true, false},
          .when = "split=sensitivity|gradient"},

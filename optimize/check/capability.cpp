@@ -19,7 +19,7 @@ namespace {
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr int more_fields_than = 60;   ///< what `fields: auto` may take in the first refinement
+constexpr int more_fields_than = 60;   ///< what `fields: auto` has after the first ones
 constexpr double worth_a_word = 0.02;  ///< a remedy makes this much more of a motion
 constexpr int mode_iterations = 4;     ///< of the block of soft modes: each is a few percent off at most
 constexpr double mode_tolerance = 1e-6;

@@ -93,9 +93,9 @@ bool ShapeEvaluator::has_shape(const Eigen::VectorXd& x) {
     }
 }
 
-bool ShapeEvaluator::is_invalid(const Eigen::VectorXd& x) {
+std::string ShapeEvaluator::refusal(const Eigen::VectorXd& x) {
     try {
-        return solver_.is_invalid(x);
+        return solver_.refusal(x);
     } catch (const Interrupted&) {
         queue_.interrupt();
     }

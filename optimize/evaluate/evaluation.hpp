@@ -29,8 +29,9 @@ public:
     Eigen::VectorXd within(const Eigen::VectorXd& x, double slack, double angle = EdgeFolds::kept);
     /// There is a shape at x, valid and within the motion limit.
     bool has_shape(const Eigen::VectorXd& x);
-    /// There is an equilibrium at x whose surface is not valid, or beyond the motion limit.
-    bool is_invalid(const Eigen::VectorXd& x);
+    /// Why the surface of the equilibrium at x is not valid, or is beyond the motion limit; empty: it is neither, or
+    /// there is no equilibrium.
+    std::string refusal(const Eigen::VectorXd& x);
     /// The shape at x has an equilibrium that does not keep `slack` of the motion limit, or it or its fields fold.
     bool is_beyond(const Eigen::VectorXd& x, double slack);
     /// `strake::motion_conditions`: of vertices near their limits, and of edges that nearly fold.

@@ -222,18 +222,19 @@ bool ShapeSolver::is_valid(const Eigen::VectorXd& x, ShapeEvaluation& result) {
     return false;
 }
 
-bool ShapeSolver::is_refused(const Points& settled) {
-    return !defect().empty() || !(limit_.is_none() || limit_.excess(beside_planform(settled)).empty());
+std::string ShapeSolver::refusal_of(const Points& settled) {
+    if (!defect().empty() || limit_.is_none()) return defect();
+    return limit_.excess(beside_planform(settled));
 }
 
 bool ShapeSolver::has_shape(const Eigen::VectorXd& x) {
     ShapeEvaluation shape;
-    return no_datum_.empty() && settle(x, shape) && !is_refused(shape.vertices);
+    return no_datum_.empty() && settle(x, shape) && refusal_of(shape.vertices).empty();
 }
 
-bool ShapeSolver::is_invalid(const Eigen::VectorXd& x) {
+std::string ShapeSolver::refusal(const Eigen::VectorXd& x) {
     ShapeEvaluation shape;
-    return no_datum_.empty() && settle(x, shape) && is_refused(shape.vertices);
+    return no_datum_.empty() && settle(x, shape) ? refusal_of(shape.vertices) : "";
 }
 
 bool ShapeSolver::deform(const Eigen::VectorXd& x, ShapeEvaluation& result) {

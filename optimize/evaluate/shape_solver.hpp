@@ -47,8 +47,8 @@ public:
     bool deform(const Eigen::VectorXd& x, ShapeEvaluation& result);
     /// `deform` would succeed now. The last design stays what it is. @throws as `deform`.
     bool has_shape(const Eigen::VectorXd& x);
-    /// There is an equilibrium whose surface `deform` would refuse. The same.
-    bool is_invalid(const Eigen::VectorXd& x);
+    /// Why `deform` would refuse the surface of the equilibrium; empty: it would not, or there is none. The same.
+    std::string refusal(const Eigen::VectorXd& x);
     /// The equilibrium only, valid or not: vertices, or status and reason. Nothing is done for the x of the last call.
     bool settle(const Eigen::VectorXd& x, ShapeEvaluation& result);
     /// The same as `deform` after setting the accepted poses, but that the motion limit is not asked; where it
@@ -86,7 +86,7 @@ private:
     bool at_equilibrium(const Eigen::VectorXd& x, ShapeEvaluation& result);
     /// Of what `settle` gave last.
     const std::string& defect();
-    bool is_refused(const Points& settled);  ///< the shape at the x of the last `settle`
+    std::string refusal_of(const Points& settled);  ///< the shape at the x of the last `settle`
     bool is_valid(const Eigen::VectorXd& x, ShapeEvaluation& result);
     void remember(const Eigen::VectorXd& x);
 

@@ -24,7 +24,7 @@ struct RunLimits {
 };
 
 /// Of runs that begin now; the first is 1.
-constexpr int latest_meaning = 21;
+constexpr int latest_meaning = 22;
 inline int meaning_of(const std::string& written) {
     for (int meaning = 1; meaning < latest_meaning; ++meaning)
         if (written == std::to_string(meaning)) return meaning;
@@ -66,7 +66,10 @@ struct JournalFacts {
     /// pay for designs that have no valid shape (`pays_without_shape`); 20: long ones search symmetric designs alone
     /// where values are the same for mirror images (`ignores_symmetry`); 21: models of
     /// fields have a second curvature (`fields_have_one_curvature`), patches lead sooner, and fields come back after
-    /// the finest of them (`fields_lead`).
+    /// the finest of them (`fields_lead`); 22: by exact gradients a refinement is offered all fields
+    /// (`Parameters::offers_fields_by_steps`), steps of sqp that lead to no valid shape cost no evaluation
+    /// (`steps_pay_without_shape`), and searches by models lead back to limits that are known exactly
+    /// (`leaves_limits`).
     int meaning = latest_meaning;
     std::vector<std::string> values, parameters;  ///< names of the values and of the parameters
     std::map<std::string, std::string> files;     ///< hash of each file that the case names

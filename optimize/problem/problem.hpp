@@ -109,6 +109,10 @@ struct Parameters {
     /// How many of the fields, the first ones, a run has as it refines: ascending, the last all of them. Empty: all of
     /// them from the start.
     std::vector<int> field_steps;
+    /// By sensitivity a refinement is offered the fields of the next step alone, not all that there are, and a first
+    /// level of fields is left where what is offered promises a tenth of what they do: of splines along the axis, and
+    /// the meaning of earlier runs.
+    bool offers_fields_by_steps = false;
     bool keeps_smooth_border = false;  ///< fields leave what is held with no slope
     /// The kind of shape that every design keeps: its surface is x0 + P(...), P the projection of `Invariance`. Loads
     /// act by what of them keeps it. Null: any shape. Not with kinds `strain`, nor with attached parts.
@@ -183,11 +187,13 @@ struct OptimizeOptions {
     /// and have no patches; a level that was left for finer details may be left for finer ones before it has moved; of
     /// `sqp`: `MinimizeOptions`.
     bool descends_as_before = false;
-    bool limits_by_models = false;     ///< the meaning of earlier runs: `MinimizeOptions`
-    bool limits_by_turns = false;      ///< the same
-    bool minima_in_variables = false;  ///< the same
-    bool leaves_equations = false;     ///< the same
-    bool pays_without_shape = false;   ///< the same
+    bool limits_by_models = false;         ///< the meaning of earlier runs: `MinimizeOptions`
+    bool limits_by_turns = false;          ///< the same
+    bool minima_in_variables = false;      ///< the same
+    bool leaves_equations = false;         ///< the same
+    bool leaves_limits = false;            ///< the same
+    bool pays_without_shape = false;       ///< the same
+    bool steps_pay_without_shape = false;  ///< the same
     /// No values of mirror images are compared (`NonlinearProgram::mirror_images`): the meaning of earlier runs, and
     /// `optimize.symmetry: false`.
     bool ignores_symmetry = false;

@@ -22,6 +22,9 @@ namespace {
 
 constexpr int failures_before_refining = 4;  ///< the last level the minimizer's own limits hold
 constexpr double variables_at_price = 10;    ///< new ones that must gain `min_expected_gain` of what was gained
+/// Of the first fields' expected decrease: where the gradient of the start promises more by others, the first step
+/// takes those, too.
+constexpr double outgrown_at_start = 1000;
 /// A gradient by differences costs an evaluation for each variable: coarse levels are finished first, and left once
 /// their model sees no more than this share of what they have gained.
 constexpr double done_by_differences = 0.05;
@@ -330,10 +333,9 @@ private:
 
     MinimizeOptions options_of_level(bool first, bool last) {
         const OptimizeOptions& options = state_.problem.optimize;
-        MinimizeOptions how;
+        MinimizeOptions how = options_of_searches(options);
         // Random and global searches belong where there are few variables.
         how.method = first || !method_facts(options.method).is_global ? options.method : Method::sqp;
-        how.batch = options.batch;
         if (!last && !has_stayed_ && budget_.begins_by_models()) {
             how.method = Method::model;
             how.tries_in_order = !options.descends_as_before;
@@ -348,25 +350,13 @@ private:
         }
         how.starts = first ? options.starts : 1;
         how.seed = options.seed;
-        how.objective_tolerance = options.objective_tolerance;
         const double gained = std::abs(state_.result.objective_start - state_.result.objective);
         if (std::isfinite(gained)) how.gained_before = gained;
         how.largest_gradient = largest_gradient_;
-        how.is_relative_to_objective = options.is_relative_to_objective;
-        how.trusts_long_steps = options.trusts_long_steps;
-        how.learns_as_before = options.learns_as_before;
-        how.descends_as_before = options.descends_as_before;
-        how.limits_by_models = options.limits_by_models;
-        how.limits_by_turns = options.limits_by_turns;
-        how.minima_in_variables = options.minima_in_variables;
-        how.leaves_equations = options.leaves_equations;
-        how.pays_without_shape = options.pays_without_shape;
         how.limit_follows_variables = !last;
-        how.step_tolerance = options.step_tolerance;
         how.scope = text(" of level ", state_.space.level);
         how.evaluations_before = spent_;
         how.failures_before = failed_;
-        how.constraint_tolerance = options.constraint_tolerance;
         // Where trials choose, levels are left by what they gain.
         how.max_evaluations = last                          ? state_.evaluations_left()
                               : how.method == Method::model ? order_.evaluations().value_or(budget_.by_models())
@@ -471,23 +461,25 @@ private:
     }
 
     /// False: the details below are expected to gain more than this level, it has done its part. Where only the best
-    /// few are split, already a tenth: the metric is stiffer on details than objectives are, and
-    /// underestimates their gain.
+    /// few are split, already a tenth: the metric is stiffer on details than objectives are, and underestimates them.
     bool is_best_at_this_level(const Prospect& below, const NonlinearProgram& program, double expected,
                                const Eigen::MatrixXd& hessian) {
-        const double outgrown = state_.rest->parameters.split == SplitRule::tree ? 1 : 10;
-        const ShellSensitivities lagrangian = program_.lagrangian();
-        const DesignFacts facts{state_.space, program_.known().x, lagrangian, shape_curvature(hessian, program.metric),
-                                program_.known().dJ_dv};
-        return outgrown * expected_decrease_of(facts, below) <= expected;
+        const Parameters& p = state_.rest->parameters;
+        const FieldSet& present = state_.space.fields;
+        const bool begins = state_.result.evaluations <= 1 && !p.offers_fields_by_steps &&
+                            offered_fields(p, present).numbers.size() > present.numbers.size();
+        const double outgrown = p.split == SplitRule::tree ? 1 : begins ? outgrown_at_start : 10;
+        return outgrown * forecast_by(below, shape_curvature(hessian, program.metric)) <= expected;
     }
 
+    double forecast_by(const Prospect& below, double curvature) const {
+        const ShellSensitivities lagrangian = program_.lagrangian();
+        return expected_decrease_of({state_.space, program_.known().x, lagrangian, curvature, program_.known().dJ_dv},
+                                    below);
+    }
     /// By all details below, at the level's end. 0: not known.
     double forecast_of_details() const {
-        if (!below_ || !program_.has_lagrangian()) return 0;
-        const ShellSensitivities lagrangian = program_.lagrangian();
-        return expected_decrease_of({state_.space, program_.known().x, lagrangian, curvature_, program_.known().dJ_dv},
-                                    *below_);
+        return below_ && program_.has_lagrangian() ? forecast_by(*below_, curvature_) : 0;
     }
 
     /// Without sensitivities to look ahead by: a level ends when its model expects little, or costs too much.

@@ -191,7 +191,11 @@ const NonlinearProgram& LevelProgram::enter(const Eigen::VectorXd& start, bool i
         program_.differences = differences;
     }
     program_.is_defined = [this](const Eigen::VectorXd& y) { return state_.evaluator.has_shape(unscaled(y)); };
-    program_.is_refused = [this](const Eigen::VectorXd& y) { return state_.evaluator.is_invalid(unscaled(y)); };
+    program_.refusal = [this](const Eigen::VectorXd& y) {
+        std::string why = state_.evaluator.refusal(unscaled(y));
+        last_failed_in_quantity_ &= why.empty();
+        return why;
+    };
     limit_motion();
     add_cheap_program();
     add_mirror_images();

@@ -67,6 +67,26 @@ bool is_long_with_fields(const Problem& problem, int budget) {
            variables <= max_variables_by_models && budget >= min_gradients * (variables + 1);
 }
 
+MinimizeOptions options_of_searches(const OptimizeOptions& options) {
+    MinimizeOptions how;
+    how.batch = options.batch;
+    how.objective_tolerance = options.objective_tolerance;
+    how.step_tolerance = options.step_tolerance;
+    how.constraint_tolerance = options.constraint_tolerance;
+    how.is_relative_to_objective = options.is_relative_to_objective;
+    how.trusts_long_steps = options.trusts_long_steps;
+    how.learns_as_before = options.learns_as_before;
+    how.descends_as_before = options.descends_as_before;
+    how.limits_by_models = options.limits_by_models;
+    how.limits_by_turns = options.limits_by_turns;
+    how.minima_in_variables = options.minima_in_variables;
+    how.leaves_equations = options.leaves_equations;
+    how.leaves_limits = options.leaves_limits;
+    how.pays_without_shape = options.pays_without_shape;
+    how.steps_pay_without_shape = options.steps_pay_without_shape;
+    return how;
+}
+
 bool begins_with_wide_ranges(const Problem& problem) {
     const OptimizeOptions& options = problem.optimize;
     if (options.method == Method::model) return !options.models_begin_with_narrow_ranges;

@@ -1,4 +1,5 @@
 #pragma once
+#include "optimize/nlp/program/minimize_options.hpp"
 #include "optimize/problem/problem.hpp"
 
 /// `optimize.method: auto`: which method searches. The choice depends on the problem and its budget only, so that a run
@@ -40,6 +41,9 @@ inline constexpr int max_variables_by_models = 100;
 /// the budget pays for whole gradients by differences. A search by models then begins with one field after another
 /// (`MinimizeOptions::tries_in_order`).
 bool is_long_with_fields(const Problem& problem, int budget);
+
+/// What the options of a run say to each of its searches: tolerances, batch, and the meanings of earlier runs.
+MinimizeOptions options_of_searches(const OptimizeOptions& options);
 
 /// Ranges of variables under the motion limit are what they may do together (`widen_to_limit`): of sqp and model. Else
 /// what each may do alone.

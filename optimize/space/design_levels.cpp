@@ -264,6 +264,14 @@ FieldSet more_fields(const Parameters& parameters, const FieldSet& present) {
     return more;
 }
 
+FieldSet offered_fields(const Parameters& parameters, const FieldSet& present) {
+    FieldSet offered = more_fields(parameters, present);
+    if (parameters.split != SplitRule::sensitivity || parameters.offers_fields_by_steps) return offered;
+    while (!parameters.field_steps.empty() && offered.reach < parameters.field_steps.back())
+        offered = more_fields(parameters, offered);
+    return offered;
+}
+
 DesignSpace make_space(std::shared_ptr<const RestFacts> rest, int level, const LevelSet& set,
                        const DesignSpace* parent) {
     DesignSpace space;

@@ -132,6 +132,8 @@ InheritedSpace refine(const DesignSpace& parent, const Eigen::VectorXd& x, const
 LevelSet level_set(const RestFacts& rest, int level);
 /// All fields below the next of `Parameters::field_steps`.
 FieldSet more_fields(const Parameters& parameters, const FieldSet& present);
+/// Those that a refinement by sensitivity is offered: all fields, unless `Parameters::offers_fields_by_steps`.
+FieldSet offered_fields(const Parameters& parameters, const FieldSet& present);
 
 /// Values of all degrees of freedom (num_dofs()).
 Eigen::VectorXd dofs(const DesignSpace& space, const Eigen::VectorXd& x);

@@ -14,6 +14,8 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 constexpr double at_bound_share = 1e-6;  ///< of the range
+/// Of the whole expected decrease, that fields are taken for: one more costs next to nothing, a patch an equilibrium.
+constexpr double marked_fields = 0.99;
 
 /// Patches that have to be split together because variables tie their children.
 std::vector<int> split_groups(const DesignSpace& parent, const DesignSpace& child) {
@@ -148,7 +150,7 @@ std::vector<SplitDecrease> of_patches_only(const std::vector<SplitDecrease>& spl
 /// The space's patches with the chosen ones split, and its fields with these.
 LevelSet refined(const DesignSpace& space, const std::vector<char>& chosen, const std::vector<int>& fields) {
     LevelSet next{split_front(*space.rest->tree, *space.front, chosen), space.fields, space.has_patches};
-    next.fields.reach = more_fields(space.rest->parameters, space.fields).reach;
+    next.fields.reach = offered_fields(space.rest->parameters, space.fields).reach;
     next.fields.numbers.insert(next.fields.numbers.end(), fields.begin(), fields.end());
     std::ranges::sort(next.fields.numbers);
     next.has_patches |= std::find(chosen.begin(), chosen.end(), 1) != chosen.end();
@@ -187,11 +189,16 @@ public:
         std::vector<char> chosen(facts_.space.front->depth.size(), 0);
         std::vector<int> fields;
         std::vector<std::size_t> order;
+        const Parameters& parameters = facts_.space.rest->parameters;
+        const double all_patches = parameters.marking_fraction * all_;
+        const double all_fields =
+            parameters.offers_fields_by_steps ? all_patches : std::max(all_patches, marked_fields * all_);
         double held = 0;
-        while (held < facts_.space.rest->parameters.marking_fraction * all_ || held == 0) {
+        while (held < all_fields || held == 0) {
             const bool is_first = plan.chosen == 0 && held == 0;
             const std::optional<std::size_t> best =
-                is_first ? next(1e300, 0) : next(max_variables_ - plan.variables_after, min_per_variable_);
+                is_first ? next(1e300, 0, false)
+                         : next(max_variables_ - plan.variables_after, min_per_variable_, held >= all_patches);
             if (!best) break;
             SplitDecrease& split = splits_[*best];
             split.chosen = true;
@@ -239,13 +246,13 @@ private:
             all_ += split.decrease;
         }
     }
-    /// The split that gives most with no more than so many new variables, of those that give at least so much for each;
-    /// renews the expected decreases of those not chosen.
-    std::optional<std::size_t> next(double variables, double min_per_variable) {
+    /// The split, or the field, that gives most with no more than so many new variables, of those that give at least
+    /// so much for each; renews the expected decreases of those not chosen.
+    std::optional<std::size_t> next(double variables, double min_per_variable, bool fields_alone) {
         std::optional<std::size_t> best;
         for (std::size_t s = 0; s < splits_.size(); ++s) {
             SplitDecrease& split = splits_[s];
-            if (split.chosen) continue;
+            if (split.chosen || (fields_alone && split.field < 0)) continue;
             if (!columns_.empty())
                 split.decrease = (orthonormal(columns_[s], round_off * lengths_[s]).transpose() * open_).squaredNorm() /
                                  (2 * facts_.curvature);
@@ -302,7 +309,9 @@ std::optional<Prospect> prospect(const DesignSpace& space, const VectorXd& x) {
     std::vector<int> parts = parts_of(tree, *space.front);
     if (!has_finer(space)) return {};
     Prospect below;
-    below.children = refine(space, x, refined_everywhere(space));
+    LevelSet all = refined_everywhere(space);
+    all.fields = offered_fields(space.rest->parameters, space.fields);
+    below.children = refine(space, x, all);
     below.splits = possible_splits(space, below.children.space, parts);
     below.parts = std::move(parts);
     below.metric.compute(below.children.space.metric);

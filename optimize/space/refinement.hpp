@@ -43,7 +43,8 @@ bool has_finer(const DesignSpace& space);
 /// The level below with everything refined.
 LevelSet refined_everywhere(const DesignSpace& space);
 
-/// The children of all patches of a space that have parts, and the next fields: variables, metric and prolongation.
+/// The children of all patches of a space that have parts, and the fields that are offered (`offered_fields`):
+/// variables, metric and prolongation.
 struct Prospect {
     InheritedSpace children;
     std::vector<int> parts;             ///< per patch of the space
@@ -69,13 +70,13 @@ struct Forecast {
 /// None where no patch has parts.
 std::optional<Forecast> make_forecast(const DesignFacts& facts);
 
-/// Chooses the patches with the largest expected decrease, one after the other: the split that adds most to what the
-/// space and the splits before it can do (different patches often can do the same), until they hold
-/// `parameters.marking_fraction` of what all would give, as long as the variables grow by no more than
-/// `parameters.max_variable_ratio` and each split is expected to gain at least `min_per_variable` for each of its new
-/// variables; always at least one. `SplitRule::gradient` takes the largest integral of |dJ/dv| over the patch instead
-/// (paper, IV). Where the parts of parts are expected to gain more than half of all that the new variables could do,
-/// these are split at once: a level without a step of its own would be wasted.
+/// Chooses the patches and fields with the largest expected decrease, one after the other: the split that adds most to
+/// what the space and the splits before it can do (different patches often can do the same), until they hold
+/// `parameters.marking_fraction` of what all would give, and then fields alone until 99 %, as long as the variables
+/// grow by no more than `parameters.max_variable_ratio` and each split is expected to gain at least `min_per_variable`
+/// for each of its new variables; always at least one. `SplitRule::gradient` takes the largest integral of |dJ/dv| over
+/// the patch instead (paper, IV). Where the parts of parts are expected to gain more than half of all that the new
+/// variables could do, these are split at once: a level without a step of its own would be wasted.
 RefinementPlan plan_refinement(const DesignFacts& facts, const Forecast& forecast, double min_per_variable = 0);
 
 /// H of a child level in its own variables from H of its parent: on what the parent could do, what the parent knew; on

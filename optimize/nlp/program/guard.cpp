@@ -116,7 +116,13 @@ bool Guard::is_defined(const Eigen::VectorXd& x) {
 }
 
 bool Guard::is_refused(const Eigen::VectorXd& x) {
-    return program.is_refused && told(*this, false, [&] { return program.is_refused(x); });
+    if (!program.refusal) return false;
+    const std::string why = told(*this, std::string(), [&] { return program.refusal(x); });
+    if (why.empty()) return false;
+    failure = why;
+    failed_on_the_way = false;
+    border.add_failed(x);
+    return true;
 }
 
 StepLimits Guard::beyond(const Eigen::VectorXd& from, const Eigen::VectorXd& to) {

@@ -50,7 +50,8 @@ public:
     void expect(const std::vector<Eigen::VectorXd>& points);
     /// `NonlinearProgram::is_defined` without an exception: true, `cause` is set.
     bool is_defined(const Eigen::VectorXd& x);
-    /// The same of `is_refused`: false, `cause` is set.
+    /// The program refuses x: a failure that the border learns of, and that costs no evaluation. Without an exception:
+    /// false, `cause` is set.
     bool is_refused(const Eigen::VectorXd& x);
     /// `NonlinearProgram::beyond` without an exception: `cause` is set, and there are no rows.
     StepLimits beyond(const Eigen::VectorXd& from, const Eigen::VectorXd& to);

@@ -45,8 +45,12 @@ struct MinimizeOptions {
     bool minima_in_variables = false;
     /// The meaning of earlier runs, of `model`: nothing leads back to equations that the search has left.
     bool leaves_equations = false;
+    /// The same: nor to limits that are known exactly.
+    bool leaves_limits = false;
     /// The same: designs whose surface is not valid are evaluated where no shorter step has one that is.
     bool pays_without_shape = false;
+    /// The same of the steps of `sqp`: none is looked at before it is evaluated.
+    bool steps_pay_without_shape = false;
     /// sqp: the damping of a step that is too long is found by secants, not by bisection: where evaluations cost less
     /// than solving for a step.
     bool damps_by_secants = false;

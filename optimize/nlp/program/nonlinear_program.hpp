@@ -108,8 +108,9 @@ struct NonlinearProgram {
     std::function<Eigen::VectorXd(const Eigen::VectorXd& x)> within;
     /// False: `evaluate` fails at x, which is told without what is expensive. May be empty. Used by model.
     std::function<bool(const Eigen::VectorXd& x)> is_defined;
-    /// True: `evaluate` fails at x on whatever way it is reached. May be empty. Used by model.
-    std::function<bool(const Eigen::VectorXd& x)> is_refused;
+    /// Why `evaluate` fails at x on whatever way it is reached, told likewise; no words: it may not. May be empty. Used
+    /// by sqp and model, which do not evaluate there.
+    std::function<std::string(const Eigen::VectorXd& x)> refusal;
     /// Of a step to a point beyond such a limit: conditions on steps from where it begins, which is within. No rows:
     /// the step ends within. May be empty. Used by sqp and model.
     std::function<StepLimits(const Eigen::VectorXd& from, const Eigen::VectorXd& to)> beyond;

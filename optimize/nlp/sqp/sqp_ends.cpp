@@ -41,7 +41,7 @@ bool SqpSearch::is_stationary(const VectorXd& d, double predicted) {
         projected_gradient() <= guard_.options.objective_tolerance * guard_.largest_gradient)
         return end(MinimizeStop::converged, "the projected gradient is below the tolerance");
     if (is_limited && steps_.radius > step_tolerance) {
-        if (!is_feasible || rejections_ + failures_ == 0) return false;
+        if (!is_feasible || rejections_ + failed_in_row() == 0) return false;
         // A step that is short because longer ones were rejected or failed has a small expected decrease in any case.
         const VectorXd free = solve_model(steps_.model(now_.at.constraints, 0));
         const double expected = merit_.expected_decrease(hessian_.matrix(), free.size() > 0 ? free : d);
@@ -49,7 +49,7 @@ bool SqpSearch::is_stationary(const VectorXd& d, double predicted) {
     }
     const bool is_short = d.lpNorm<Eigen::Infinity>() <= step_tolerance;
     // Steps that fail say nothing of the gradient.
-    if (is_short && is_limited && failures_ > 0 && rejections_ == 0) return end_by_failures(border_.is_known());
+    if (is_short && is_limited && failed_in_row() > 0 && rejections_ == 0) return end_by_failures(border_.is_known());
     if (is_short)
         return end(is_limited    ? MinimizeStop::roundoff
                    : is_feasible ? MinimizeStop::converged
@@ -95,22 +95,28 @@ bool SqpSearch::failed_at(const VectorXd& d) {
     const bool knows_border = !guard_.failed_on_the_way && border_.is_known();
     if (knows_border && border_.expected_decrease() <= trust_region.border_share * total_decrease())
         return end_at_border();
-    ++failures_;
+    ++(was_paid_ ? failures_ : refusals_);
     // To learn where the border lies takes failures, the more the more variables there are.
     const int more_in_row = std::min(trust_region.border_failures_per_variable * static_cast<int>(now_.x.size()),
                                      trust_region.max_border_failures_in_row);
-    const int in_row = guard_.options.max_shrinks + (knows_border ? more_in_row : 0);
+    const int in_row = knows_border ? more_in_row : 0;
     // A solver that fails now and then does not end a search that goes on gaining.
     const int all = guard_.options.max_failures * (1 + accepted_ / trust_region.steps_per_failures) +
                     (knows_border ? accepted_ + trust_region.max_border_failures : 0);
-    if (failures_ > in_row || end_.shrinks >= all) return end_by_failures(knows_border);
-    ++end_.shrinks;
-    if (!knows_border)
-        steps_.radius = (failures_ > 1 ? trust_region.repeated_failure_cut : trust_region.failure_cut) *
+    if (failures_ > guard_.options.max_shrinks + in_row || refusals_ > trust_region.max_refusals + in_row ||
+        (was_paid_ && end_.shrinks >= all))
+        return end_by_failures(knows_border);
+    end_.shrinks += was_paid_;
+    if (refusals_ > trust_region.refusals_by_border)
+        steps_.radius = trust_region.failure_cut * std::min(steps_.radius, steps_.length(d));
+    else if (!knows_border)
+        steps_.radius = (failed_in_row() > 1 ? trust_region.repeated_failure_cut : trust_region.failure_cut) *
                         std::min(steps_.radius, steps_.length(d));
-    report(text("after the failure of its evaluation ", guard_.evaluations, ": ",
-                knows_border ? std::string("steps keep to this side of the plane between what failed and what did not")
-                             : text("the largest step is cut to ", steps_.radius)));
+    if (was_paid_)
+        report(text("after the failure of its evaluation ", guard_.evaluations, ": ",
+                    knows_border
+                        ? std::string("steps keep to this side of the plane between what failed and what did not")
+                        : text("the largest step is cut to ", steps_.radius)));
     return false;
 }
 
@@ -122,8 +128,13 @@ bool SqpSearch::end_by_failures(bool knows_border) {
         return end(MinimizeStop::converged, "the expected decrease is below the tolerance, and longer steps fail");
     end_.is_at_border = knows_border;
     return end(MinimizeStop::no_valid_step,
-               text("evaluations keep failing next to the best point (", guard_.failures, " of this search's ",
-                    guard_.evaluations, " evaluations failed); the last failure: ", guard_.failure));
+               text(was_paid_ ? "evaluations" : "steps", " keep failing next to the best point (", failure_words()));
+}
+
+std::string SqpSearch::failure_words() const {
+    return text(guard_.failures, " of this search's ", guard_.evaluations, " evaluations failed",
+                without_shape_ > 0 ? text(", and ", without_shape_, " steps led to no valid shape") : "",
+                "); the last failure: ", guard_.failure);
 }
 
 bool SqpSearch::end_at_border() {
@@ -144,8 +155,7 @@ bool SqpSearch::end_at_border() {
     end_.is_at_border = true;
     return end(MinimizeStop::no_valid_step,
                text("evaluations fail beyond a border next to the best point, and nothing is left to gain before it (",
-                    guard_.failures, " of this search's ", guard_.evaluations,
-                    " evaluations failed); the last failure: ", guard_.failure));
+                    failure_words()));
 }
 
 bool SqpSearch::rejected(double length) {

@@ -29,11 +29,14 @@ SqpEnd SqpSearch::run() {
     if (!is_outpaced())
         while (!step()) {
         }
+    if (without_shape_ > 0)
+        guard_.report_event(text(without_shape_, " steps led to no valid shape and were not evaluated"));
     restore();
     if (end_.stop == MinimizeStop::evaluations) end_.reason = guard_.limit_words();  // restoring has taken some
     end_.last_x = now_.x;
     end_.last = now_.at;
-    end_.radius = steps_.radius;
+    // What was cut where trying costs nothing is no reason for shorter steps on the next level.
+    end_.radius = (without_shape_ > 0 && guard_.failures == 0 ? 2 : 1) * steps_.radius;
     end_.accepted = accepted_;
     if (guard_.best_x == now_.x && !gradient_.is_exact())
         end_.gradient_error = gradient_.remaining_error();
@@ -59,7 +62,18 @@ void SqpSearch::place(Trial& trial) {
 
 bool SqpSearch::try_step(Trial& trial) {
     place(trial);
-    return guard_.try_at(trial.x, false, trial.evaluation);
+    return try_placed(trial);
+}
+
+bool SqpSearch::try_placed(Trial& trial) {
+    // With no evaluation left the search has ended, whatever shape is there.
+    const bool pays =
+        guard_.options.steps_pay_without_shape || guard_.evaluations >= guard_.limit || !guard_.is_refused(trial.x);
+    was_paid_ |= pays;
+    if (pays) return guard_.try_at(trial.x, false, trial.evaluation);
+    ++without_shape_;
+    guard_.cause = StopCause::failure;
+    return false;
 }
 
 VectorXd SqpSearch::within_limits(VectorXd d) {
@@ -74,11 +88,12 @@ VectorXd SqpSearch::within_limits(VectorXd d) {
 }
 
 bool SqpSearch::step() {
+    was_paid_ = false;
     if (needs_restoration() && guard_.evaluations + trust_region.max_restorations >= guard_.options.max_evaluations)
         return end(MinimizeStop::evaluations, guard_.limit_words());
     // The present metric once per point: to come back to the point after a failure costs an equilibrium.
-    const VectorXd d = within_limits(failures_ + rejections_ == 0 ? steps_.step_in_present_metric()
-                                                                  : steps_.step(now_.at.constraints));
+    const VectorXd d = within_limits(failures_ + refusals_ + rejections_ == 0 ? steps_.step_in_present_metric()
+                                                                              : steps_.step(now_.at.constraints));
     if (d.size() == 0) return model_failed();
     const ActiveSet set = steps_.active(steps_.last_model(), d);
     const double gain = model_decrease(now_, hessian_.matrix(), d);
@@ -92,7 +107,7 @@ bool SqpSearch::step() {
     Trial trial{{}, d};
     place(trial);
     if (trial.is_moved && guard_.cause == StopCause::none && trial.d.isZero(0)) return cut_back(d);
-    if (!guard_.try_at(trial.x, false, trial.evaluation)) return failed_at(d);
+    if (!try_placed(trial)) return failed_at(d);
     if (trial.is_moved)  // shorter than expected
         predicted = std::max(merit_.expected_decrease(hessian_.matrix(), trial.d), std::numeric_limits<double>::min());
     const auto decrease = [&] { return merit_.at_present() - merit_.of(trial.evaluation); };
@@ -198,7 +213,7 @@ bool SqpSearch::accept(const VectorXd& x, Evaluation& trial, double decrease, co
     now_.at = trial;
     guard_.largest_gradient = std::max(guard_.largest_gradient, projected_gradient());
     steps_.forget_limits();
-    failures_ = rejections_ = model_failures_ = 0;
+    failures_ = refusals_ = rejections_ = model_failures_ = 0;
     ++accepted_;
     border_.update();
     return is_left ? end(MinimizeStop::outpaced, "more is expected elsewhere") : ends_by_progress();

@@ -21,6 +21,8 @@ private:
     };
     /// Evaluates where the trial's step leads. False: there is no value.
     bool try_step(Trial& trial);
+    /// The same where the trial has been placed; what has no valid shape fails without an evaluation.
+    bool try_placed(Trial& trial);
     /// Where the trial's step leads, inside the limits.
     void place(Trial& trial);
     /// The step was moved back to where it began: a shorter one is tried, and nothing is paid. True: the search has
@@ -68,6 +70,7 @@ private:
     bool rejected(double length);
     bool model_failed();
     bool ended_by_guard();
+    std::string failure_words() const;  ///< behind an opening bracket
     bool end(MinimizeStop stop, const std::string& reason);
 
     bool needs_restoration() const {
@@ -76,6 +79,7 @@ private:
     /// Steps onto the constraints from the last point, where that is better than the best feasible one.
     void restore();
 
+    int failed_in_row() const { return failures_ + refusals_; }
     double total_decrease() const { return guard_.highest - now_.at.objective; }
     void start_hessian();
     void report(const std::string& event) const {
@@ -89,8 +93,10 @@ private:
     StepModel steps_;
     BorderCut border_;
     GradientModel gradient_;
-    int accepted_ = 0;
-    int small_decreases_ = 0, stalled_steps_ = 0, failures_ = 0, rejections_ = 0, model_failures_ = 0;  ///< in a row
+    int accepted_ = 0, without_shape_ = 0;
+    bool was_paid_ = false;  ///< the present step has cost an evaluation
+    /// In a row; refusals are failures that cost no evaluation.
+    int small_decreases_ = 0, stalled_steps_ = 0, failures_ = 0, refusals_ = 0, rejections_ = 0, model_failures_ = 0;
     SqpEnd end_;
 };
 

@@ -72,6 +72,8 @@ struct TrustRegionOptions {
     double handover_violation = 1e-3;   ///< below, a finer level may take over
 
     // Failures next to the best point.
+    int refusals_by_border = 4;   ///< in a row: where no plane parts the shapes, a step short enough has one
+    int max_refusals = 12;        ///< of shapes, in a row, on all levels: these cost no evaluation
     int steps_per_failures = 10;  ///< accepted steps that allow `max_failures` more: what fails by chance is no border
     int max_border_failures = 100;  ///< more in all than elsewhere where a border is known: it takes them to find it
     int max_border_failures_in_row = 32;   ///< more in a row

@@ -19,6 +19,10 @@ public:
     /// What is known there.
     const std::optional<KnownConstraints::Found>& here() const { return here_; }
     bool knows_slopes() const { return here_ && here_->has_slopes(); }
+    /// One looks from x, which misses what is known exactly.
+    bool is_beside(const Eigen::VectorXd& x) const {
+        return knows_slopes() && here_->x == x && known_.violation(*here_) > known_.tolerance();
+    }
     /// The meaning of earlier runs: limits are met by turns, and shapes are not looked for.
     bool has_turns() const { return guard_.options.limits_by_models || guard_.options.limits_by_turns; }
 

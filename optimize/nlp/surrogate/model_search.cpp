@@ -39,7 +39,7 @@ constexpr double kept_length = 0.5;       ///< of a step that exact limits short
 constexpr double min_length_left = 0.1;   ///< what they leave less of goes on as it was: there is nothing to learn
 constexpr double min_curvature = 0.1;     ///< of the mean: what the models do not know bends at least so
 constexpr double visible_noise = 1e-3;    ///< of the model's scale: with more, means tell where the best point is
-constexpr int restoration_period = 8;     ///< evaluations of which one leads back to equations
+constexpr int restoration_period = 8;     ///< evaluations of which one leads back to limits
 constexpr int last_restorations = 2;      ///< at the end: each leaves some percent of what is missed
 constexpr double visible_deviations = 2;  ///< of a model's noise: what misses an equation by less may be noise
 
@@ -62,7 +62,8 @@ public:
         region_.margin = VectorXd::Zero(guard.program.num_inequalities);
         region_.offset = VectorXd::Zero(guard.program.num_inequalities + guard.program.num_equalities);
         region_.is_in_variables = guard.options.minima_in_variables;
-        restores_ = !guard.options.leaves_equations && has_equations_to_learn();
+        restores_limits_ = !guard.options.leaves_limits && !allowed_.has_turns() && !known().rows().empty();
+        restores_equations_ = !guard.options.leaves_equations && has_equations_to_learn();
     }
 
     ModelEnd run() {
@@ -300,7 +301,8 @@ private:
 
     int left() const { return guard_.limit - guard_.evaluations; }
     int left_for_batches() const {
-        return restores_ && left() > last_restorations ? left() - last_restorations : left();
+        const bool restores = restores_equations_ || (restores_limits_ && allowed_.is_beside(centre().x));
+        return restores && left() > last_restorations ? left() - last_restorations : left();
     }
     int places() const { return std::max(0, std::min(guard_.options.batch, left_for_batches())); }
     /// The last batch has nothing to learn for.
@@ -362,9 +364,10 @@ private:
         return false;
     }
 
-    /// Where the search stands. By more than noise, unless nothing comes after.
-    bool misses_equations(bool counts_noise) const {
-        if (!restores_) return false;
+    /// Where the search stands: equations by more than noise, unless nothing comes after, or exact limits.
+    bool is_beside(bool counts_noise) const {
+        if (restores_limits_ && allowed_.is_beside(centre().x)) return true;
+        if (!restores_equations_) return false;
         const VectorXd& values = centre().values;
         for (Eigen::Index i = program().num_inequalities + 1; i < values.size(); ++i) {
             const double noise = counts_noise ? visible_deviations * (*models_)[i].noise() : 0;
@@ -382,7 +385,7 @@ private:
 
     /// The search would end: it leads back to equations first.
     bool leads_back() {
-        if (final_restorations_ >= last_restorations || left() <= 0 || !misses_equations(false)) return false;
+        if (final_restorations_ >= last_restorations || left() <= 0 || !is_beside(false)) return false;
         ++final_restorations_;
         std::vector<Proposal> batch;
         add_restored(batch);
@@ -394,7 +397,7 @@ private:
     std::vector<Proposal> propose() {
         std::vector<Proposal> batch;
         const bool is_at_end = left() <= last_restorations;
-        const bool is_due = left() > 0 && misses_equations(!is_at_end) &&
+        const bool is_due = left() > 0 && is_beside(!is_at_end) &&
                             (is_at_end || guard_.evaluations - restored_at_ >= restoration_period);
         const int minima = !is_due ? places() : is_at_end ? 0 : places() - 1;
         if (minima > 0) propose_minima(batch, minima);
@@ -441,9 +444,8 @@ private:
     bool has_no_shape(const AllowedDesigns::Shape& there) {
         if (!there.is_shortened || guard_.options.pays_without_shape || !guard_.is_refused(there.x)) return false;
         Evaluation at;
-        at.failure = guard_.failure = "the surface has no valid shape there";
+        at.failure = guard_.failure;
         points_.add(there.x, at);
-        guard_.border.add_failed(there.x);
         ++without_shape_, ++refused_;
         return true;
     }
@@ -585,7 +587,7 @@ private:
     std::unique_ptr<LocalModels> models_;
     double penalty_ = 0;
     int centre_ = 0, idle_ = 0, failing_ = 0, forgotten_borders_ = 0;
-    bool restores_ = false;  ///< leads back to equations
+    bool restores_equations_ = false, restores_limits_ = false;  ///< leads back to them
     int restored_at_ = 0, final_restorations_ = 0, without_shape_ = 0, refused_ = 0;
     ModelEnd end_;
     bool has_ended_ = false;

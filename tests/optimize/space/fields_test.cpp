@@ -203,6 +203,38 @@ TEST(Fields, ARefinementTakesTheFieldThatTheGradientAsksFor) {
     for (const LevelSummary& level : r.levels) EXPECT_LT(level.inherited_shape_change, 1e-10);
 }
 
+/// The gradient of the start asks for fields of the last of three steps: the first step of the search has them, where
+/// earlier runs took one step of fields after another, each with evaluations of its own.
+TEST(Fields, OfAllStepsAreThereForTheFirstStepOfASearch) {
+    Problem problem = with_fields(27, {VariableKind::normal_load});
+    problem.parameters.field_steps = {6, 12, 27};
+    problem.parameters.split = SplitRule::sensitivity;
+    problem.parameters.max_displacement = 0.1;
+    const DisplacementFields& fields = *problem.parameters.fields;
+    const Points target =
+        problem.surface.vertices + 0.03 * fields.field(3) + 0.02 * fields.field(9) + 0.02 * fields.field(24);
+    problem.quantities = {target_shape_same("match", problem.surface, with_vertices(problem.surface, target))};
+    problem.objective = problem.quantities[0].names[0];
+    problem.maximize = false;
+    problem.constraints.clear();
+    problem.optimize.max_evaluations = 25;
+    const auto evaluations_to = [&](double share) {
+        int first = 0, count = 0;
+        double start = 0;
+        RunEvents events;
+        events.evaluation = [&](const EvaluationRecord& record) {
+            if (++count == 1) start = record.objective;
+            if (first == 0 && record.status == "ok" && record.objective < share * start) first = count;
+        };
+        const RunResult r = optimize(problem, events);
+        EXPECT_LT(r.objective, share * r.objective_start) << r.reason;
+        return first;
+    };
+    const int now = evaluations_to(1e-2);
+    problem.parameters.offers_fields_by_steps = true;
+    EXPECT_GT(evaluations_to(1e-2), now);
+}
+
 TEST(Fields, OfSuccessiveLevelsWhereNothingTellsWhichToTake) {
     Problem problem = with_fields(12);
     problem.parameters.field_steps = {4, 9, 12};
@@ -212,6 +244,11 @@ TEST(Fields, OfSuccessiveLevelsWhereNothingTellsWhichToTake) {
     EXPECT_EQ(coarse.fields.numbers, (std::vector{0, 1, 2, 3}));
     EXPECT_EQ(level_set(*rest, 1).fields.numbers.size(), 9u);
     EXPECT_EQ(more_fields(problem.parameters, {{0, 1, 2, 3, 8}, 9}).numbers.size(), 12u) << "those passed over, too";
+    EXPECT_EQ(offered_fields(problem.parameters, {{0, 1, 2, 3}, 4}).numbers.size(), 9u);
+    problem.parameters.split = SplitRule::sensitivity;
+    EXPECT_EQ(offered_fields(problem.parameters, {{0, 1, 2, 3}, 4}).numbers.size(), 12u) << "a gradient tells of all";
+    problem.parameters.offers_fields_by_steps = true;
+    EXPECT_EQ(offered_fields(problem.parameters, {{0, 1, 2, 3}, 4}).numbers.size(), 9u) << "runs of before";
     // Values of fields that a level does not have are carried, not lost.
     const Eigen::VectorXd x = Eigen::VectorXd::LinSpaced(coarse.size(), 0.1, 0.4);
     const InheritedSpace fewer = refine(coarse, x, LevelSet{*coarse.front, {{1, 3}, 4}, true});

@@ -498,7 +498,7 @@ TEST(ModelSearch, DesignsWithoutAShapeAreNotEvaluated) {
     int failed = 0;
     const auto has_shape = [](const VectorXd& x) { return x[0] - x[1] <= 0.3; };
     p.is_defined = has_shape;
-    p.is_refused = [has_shape](const VectorXd& x) { return !has_shape(x); };
+    p.refusal = [has_shape](const VectorXd& x) { return std::string(has_shape(x) ? "" : "no shape"); };
     p.evaluate = [&failed, has_shape, inner = p.evaluate](const VectorXd& x) {
         Evaluation at = inner(x);
         if (!has_shape(x)) at.failure = "no shape", ++failed;

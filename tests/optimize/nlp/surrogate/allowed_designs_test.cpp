@@ -56,6 +56,20 @@ struct CircleAndLine {
     }
 };
 
+/// What a search by models leads back from: the design that it looks from, beside the circle by more than rounding.
+TEST(AllowedDesigns, TellWhetherTheSearchStandsBesideAnExactLimit) {
+    CircleAndLine both;
+    Guard guard(both.program, both.options);
+    AllowedDesigns allowed(guard);
+    const VectorXd beside = Eigen::Vector2d(1.001, 0.1), inside = Eigen::Vector2d(0.95, 0.1);
+    EXPECT_FALSE(allowed.is_beside(beside)) << "nothing is known yet";
+    allowed.look_from(beside);
+    EXPECT_TRUE(allowed.is_beside(beside));
+    EXPECT_FALSE(allowed.is_beside(inside)) << "one looks from elsewhere";
+    allowed.look_from(inside);
+    EXPECT_FALSE(allowed.is_beside(inside));
+}
+
 TEST(AllowedDesigns, BothLimitsAreMetTogether) {
     CircleAndLine both;
     Guard guard(both.program, both.options);

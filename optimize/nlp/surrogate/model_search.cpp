@@ -48,7 +48,7 @@ struct Proposal {
     VectorXd x, z;
     double radius = 0;
     VectorXd expected;      ///< values; empty before the first models
-    bool restores = false;  ///< leads back to equations, and says nothing of the trust region
+    bool restores = false;  ///< leads back to limits, and says nothing of the trust region
 };
 
 class ModelSearch {
@@ -383,7 +383,7 @@ private:
         if (batch.size() > before) batch.back().restores = true;
     }
 
-    /// The search would end: it leads back to equations first.
+    /// The search would end: it leads back to what it is beside first.
     bool leads_back() {
         if (final_restorations_ >= last_restorations || left() <= 0 || !is_beside(false)) return false;
         ++final_restorations_;

@@ -1,7 +1,7 @@
 #pragma once
 #include "optimize/nlp/surrogate/allowed_designs.hpp"
 
-/// A way back to equations that only models tell. Internal to the search by models.
+/// A way back to equations and exact limits. Internal to the search by models.
 namespace strake {
 
 /// The design of the shortest step from x, in the metric, to where the equations hold and the other constraints and the

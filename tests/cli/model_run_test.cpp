@@ -44,6 +44,34 @@ TEST_F(ModelRun, KilledInABatchPaysNothingTwice) {
     for (const int number : ended) EXPECT_EQ(calls().count(number), 1u) << number;
 }
 
+/// A long run: its order of levels, its looks at mirror images, and shapes that it does not pay for come again from
+/// what the journal holds.
+TEST_F(ModelRun, KilledInALongRunGivesTheSameBits) {
+    const std::string long_run =
+        "surface: {file: s.obj}\nhold: point\nparameters: {fields: 6, variables: [normal], patches_per_level: [4, "
+        "16]}\n" +
+        by_program + "optimize: {budget: {evaluations: 80}}\n";
+    std::string text = long_run;
+    text.replace(text.find('@'), 1, ", gradients: false, parallel: 8");
+    const std::string file = folder.write("case.yaml", text).string();
+    const ProgramRun whole = run_strake({"run", file, "--out", path("whole")});
+    ASSERT_EQ(whole.status, 0) << whole.err;
+    EXPECT_NE(whole.err.find("method: auto chooses model"), std::string::npos) << whole.err;
+    fs::remove(folder / "calls");
+    std::vector<std::string> arguments{"run", file, "--out", path("a"), "-q"};
+    for (const std::size_t killed_at : {30, 55}) {
+        const Started run(folder, arguments);
+        while (!run.has_ended() && calls().size() < killed_at) pause_ms(10);
+        EXPECT_FALSE(run.has_ended()) << "after " << calls().size() << " calls";
+        run.send(SIGKILL);
+        run.wait();
+        arguments = {"resume", path("a"), "-q"};
+    }
+    const ProgramRun rest = run_strake(arguments);
+    ASSERT_EQ(rest.status, 0) << rest.err;
+    expect_same("whole", "a");
+}
+
 TEST_F(ModelRun, IsChosenWhereTheBudgetIsShortAndSaysSo) {
     const ProgramRun checked = run_strake({"check", model_case("", "")});
     EXPECT_NE(checked.out.find("method: auto chooses model, in batches of 8: 'bulk' has no gradient"),

@@ -111,6 +111,7 @@ private:
         if (guard_.options.limit_follows_variables)
             guard_.limit = guard_.evaluations + look.evaluations_for(even.cols(), left(), guard_.options.batch);
         points_.restrict_to(even);
+        if (allowed_.here()) find_nearest();  // in the coordinates that are left
     }
 
     std::vector<char> compared(const MirrorLook& look) {
@@ -232,11 +233,11 @@ private:
 
     /// What exact limits are where the search stands.
     void look_at_limits() {
-        if (guard_.options.limits_by_models) return;
-        if (!allowed_.look_from(centre().x)) return;
-        nearest_ = knows_slopes() ? points_.whitened(known().nearest(centre().x, *known_here())) : centre().z;
+        if (!guard_.options.limits_by_models && allowed_.look_from(centre().x)) find_nearest();
     }
-    const std::optional<KnownConstraints::Found>& known_here() const { return allowed_.here(); }
+    void find_nearest() {
+        nearest_ = knows_slopes() ? points_.whitened(known().nearest(centre().x, *allowed_.here())) : centre().z;
+    }
 
     /// At the centre, with gradients by the models.
     Evaluation differentiated() const {
@@ -250,8 +251,8 @@ private:
         for (Eigen::Index i = 0; i < rows; ++i)
             at.jacobian.row(i) = points_.unwhitened((*models_)[i + 1].gradient(c.z)).transpose();
         // Where all points lie on a limit, what its model has in place of a slope is rounding.
-        if (knows_slopes() && known_here()->x == c.x)
-            for (const Eigen::Index i : known().rows()) at.jacobian.row(i) = known_here()->jacobian.row(i);
+        if (knows_slopes() && allowed_.here()->x == c.x)
+            for (const Eigen::Index i : known().rows()) at.jacobian.row(i) = allowed_.here()->jacobian.row(i);
         return at;
     }
 
@@ -341,7 +342,7 @@ private:
     }
     /// x, or the design next to it that keeps exact limits.
     VectorXd kept(const VectorXd& x, double length) const {
-        const VectorXd nearest = known().nearest(x, *known_here());
+        const VectorXd nearest = known().nearest(x, *allowed_.here());
         // Slopes that lead farther than the step say too little here.
         return left_of(nearest) <= ProposalRegion::reach * length && !region_.is_beyond_border(nearest) ? nearest : x;
     }
@@ -577,7 +578,7 @@ private:
 
     Guard& guard_;
     SampledPoints points_;
-    double radius_;  ///< in z
+    double radius_, penalty_ = 0;  ///< the radius in z
     ProposalRegion region_;
     AllowedDesigns allowed_;  ///< from where the search stands
     VectorXd nearest_;        ///< z next to that, within exact limits
@@ -585,7 +586,6 @@ private:
     MatrixXd directions_;
     Eigen::Index used_directions_ = 0;
     std::unique_ptr<LocalModels> models_;
-    double penalty_ = 0;
     int centre_ = 0, idle_ = 0, failing_ = 0, forgotten_borders_ = 0;
     bool restores_equations_ = false, restores_limits_ = false;  ///< leads back to them
     int restored_at_ = 0, final_restorations_ = 0, without_shape_ = 0, refused_ = 0;

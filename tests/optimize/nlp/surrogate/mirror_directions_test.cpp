@@ -73,6 +73,42 @@ TEST(MirrorDirections, WhereMirrorImagesHaveTheSameValuesWhatIsSymmetricIsSearch
     EXPECT_NEAR(r.x[5], 1.0 / 6, 1e-2);
 }
 
+/// The start misses a limit that is known exactly: what leads back to it is symmetric, too, and has fewer coordinates.
+TEST(MirrorDirections, FirstStepsKeepAnExactLimitInTheCoordinatesThatAreLeft) {
+    NonlinearProgram p;
+    p.start = VectorXd::Zero(8);
+    p.lower = VectorXd::Constant(8, -3);
+    p.upper = VectorXd::Constant(8, 3);
+    p.num_inequalities = 1;
+    p.evaluate = [](const VectorXd& x) {
+        Evaluation at;
+        at.objective = (x - VectorXd::LinSpaced(8, -0.1, 0.1).cwiseAbs()).squaredNorm();
+        at.constraints = VectorXd::Constant(1, 0.4 - x.sum());
+        return at;
+    };
+    NonlinearProgram cheap = p;
+    cheap.differentiate = [](const VectorXd&, Evaluation& at) {
+        at.gradient = VectorXd::Zero(8);
+        at.jacobian = -MatrixXd::Ones(1, 8);
+    };
+    p.low_fidelity = LowFidelity{
+        std::make_shared<const NonlinearProgram>(cheap), {LowFidelityValue::none, LowFidelityValue::same}, nullptr};
+    const MatrixXd swapped = MatrixXd::Identity(8, 8).rowwise().reverse();
+    bool holds = false;
+    p.mirror_images.push_back({MatrixXd::Identity(8, 8), swapped, false, [&](bool found) { holds = found; }});
+    std::vector<VectorXd> seen;
+    p.evaluate = [&seen, inner = p.evaluate](const VectorXd& x) { return seen.push_back(x), inner(x); };
+    MinimizeOptions how = by_models(11);
+    how.batch = 4;
+    minimize(p, how);
+    ASSERT_TRUE(holds);
+    ASSERT_EQ(seen.size(), 11u);
+    for (std::size_t k = 3; k < seen.size(); ++k) {
+        EXPECT_LT((seen[k] - seen[k].reverse()).norm(), 1e-9) << k;
+        EXPECT_GE(seen[k].sum(), 0.4 - 1e-6) << k;
+    }
+}
+
 TEST(MirrorDirections, EvenKeepTheOrderOfTheirColumns) {
     const VectorXd mu = (VectorXd(6) << 1, -1, 1, -1, 1, 1).finished();
     const MatrixXd all = MatrixXd::Identity(6, 6);

@@ -26,6 +26,8 @@ start=cases/wing/generated/wing.obj
 patches $start wing 2,6,16
 patches cases/lifting_body/generated/lifting_body.stl body 4,12,32
 
+# What fields and loads do: docs/variables.md.
+xvfb-run -a /usr/bin/python3 scripts/variables_pictures.py "$bin" $out
 # What strake init draws by itself: no VTK here.
 "$bin/make_surface" wing --triangles 4000 -o "$work/wing.obj"
 "$bin/strake" init "$work/wing.obj" -o "$work/init.yaml" --quiet
@@ -120,7 +122,7 @@ if [ -f $published/transonic/box/transonic-box_4x4x2.obj ]; then
     scripts/section_picture.py $out/published-transonic.svg --at 0.2,0.7,1.05 start=$generated/onera_m6.obj \
         Strake=$published/transonic/best.obj "box 4 x 4 x 2=$published/transonic/box/transonic-box_4x4x2.obj"
 fi
-find $out -name "published-*.png" -exec /usr/bin/python3 scripts/smaller_png.py {} +
+find $out \( -name "published-*.png" -o -name "variables-*.png" \) -exec /usr/bin/python3 scripts/smaller_png.py {} +
 if [ -f "$evidence/local_bump-sqp.vtp" ] && [ -f "$evidence/global_twist-sqp.vtp" ]; then
     bump=$evidence/local_bump-sqp.vtp twist=$evidence/global_twist-sqp.vtp
     picture trees.png "$bump:fineness" "$bump:patch" "$twist:fineness" "$twist:patch" --columns 2 --size 640,360 --view=0.4,1,0.6 \

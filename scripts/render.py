@@ -181,6 +181,31 @@ def aim(panes, surfaces, options, width, height):
         lights.AddLightsToRenderer(pane)
 
 
+def window_of(panes, columns, width, height):
+    """A window off screen with the panes row by row, each so wide and high."""
+    rows = -(-len(panes) // columns)
+    window = vtkRenderWindow()
+    window.SetOffScreenRendering(1)
+    window.SetMultiSamples(4)
+    window.SetSize(width * columns, height * rows)
+    for k, pane in enumerate(panes):
+        row, column = divmod(k, columns)
+        pane.SetViewport(column / columns, 1 - (row + 1) / rows, (column + 1) / columns, 1 - row / rows)
+        window.AddRenderer(pane)
+    return window
+
+
+def save(window, out):
+    window.Render()
+    picture = vtkWindowToImageFilter()
+    picture.SetInput(window)
+    picture.ReadFrontBufferOff()
+    writer = vtkPNGWriter()
+    writer.SetInputConnection(picture.GetOutputPort())
+    writer.SetFileName(str(out))
+    writer.Write()
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("out")
@@ -198,25 +223,10 @@ def main():
     width, height = (int(c) for c in options.size.split(","))
     titles = options.titles.split("|") if options.titles else []
     columns = options.columns or min(len(options.surfaces), 3)
-    rows = -(-len(options.surfaces) // columns)
-    window = vtkRenderWindow()
-    window.SetOffScreenRendering(1)
-    window.SetMultiSamples(4)
-    window.SetSize(width * columns, height * rows)
     panes = [pane_of(spec, options, titles[k] if k < len(titles) else "") for k, spec in enumerate(options.surfaces)]
-    for k, (pane, _) in enumerate(panes):
-        row, column = divmod(k, columns)
-        pane.SetViewport(column / columns, 1 - (row + 1) / rows, (column + 1) / columns, 1 - row / rows)
-        window.AddRenderer(pane)
+    window = window_of([pane for pane, _ in panes], columns, width, height)
     aim([pane for pane, _ in panes], [surface for _, surface in panes], options, width, height)
-    window.Render()
-    picture = vtkWindowToImageFilter()
-    picture.SetInput(window)
-    picture.ReadFrontBufferOff()
-    writer = vtkPNGWriter()
-    writer.SetInputConnection(picture.GetOutputPort())
-    writer.SetFileName(options.out)
-    writer.Write()
+    save(window, options.out)
 
 
 if __name__ == "__main__":

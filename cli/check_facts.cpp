@@ -6,6 +6,7 @@
 #include "core/wrap/wrap_map.hpp"
 #include "optimize/problem/shell_setup.hpp"
 #include "optimize/space/field_conditions.hpp"
+#include "optimize/space/motion_limit.hpp"
 
 #include <sys/resource.h>
 #include <algorithm>
@@ -125,7 +126,12 @@ CheckFacts check_facts(const BuiltProblem& built, const CheckWishes& wishes) {
     const bool wants_modes = !wishes.modes.empty();
     const std::vector<char> held = pinned_triangles(*rest);
     const Adjacency of_surface = rest->wrap ? adjacency(rest->surface) : rest->adjacent;
-    if (!problem.fixed.empty()) facts.border.emplace().is_smooth = problem.parameters.keeps_smooth_border;
+    if (!problem.fixed.empty()) {
+        const Parameters& p = problem.parameters;
+        facts.border.emplace().is_smooth = p.keeps_smooth_border;
+        facts.border->is_kept =
+            p.keeps_smooth_border && !p.planform && limits_motion(problem.fit.empty() ? p : with_stated_limit(p));
+    }
     facts.space = space_facts(space, [&](const Variable& variable, const Points& dv) {
         if (facts.border) add_border(*rest, of_surface, held, variable, dv, *facts.border);
         if (wants_modes) modes.push_back({variable.name, dv});

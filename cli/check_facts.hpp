@@ -30,6 +30,7 @@ struct BorderFacts {
     double by_fields = 0, by_patches = 0;  ///< turn of normals beside what is held, degrees
     std::string variable;                  ///< that turns them most
     bool is_smooth = false;                ///< `parameters.keep: smooth_border`
+    bool is_kept = false;                  ///< by it designs keep to `Parameters::max_border_turn`
 };
 
 struct CheckFacts {

@@ -117,7 +117,9 @@ void print_border(const CheckFacts& facts) {
         "({})\n",
         std::max(border.by_fields, border.by_patches), 100 * border.move, border.variable);
     constexpr double a_crease = 2;
-    if (border.by_fields > a_crease && !border.is_smooth)
+    if (border.is_kept)
+        fmt::print("            designs keep to {:.0f}: parameters.keep: smooth_border\n", Parameters::max_border_turn);
+    else if (border.by_fields > a_crease && !border.is_smooth)
         fmt::print("            fields turn them by {:.2g}; less with parameters.keep: smooth_border\n",
                    border.by_fields);
 }
@@ -199,7 +201,8 @@ void add_facts(Json& j, const CheckFacts& facts) {
         j["border"] = {{"move", facts.border->move},
                        {"turn_by_fields_deg", facts.border->by_fields},
                        {"turn_by_patches_deg", facts.border->by_patches},
-                       {"variable", facts.border->variable}};
+                       {"variable", facts.border->variable},
+                       {"kept_deg", facts.border->is_kept ? Json(Parameters::max_border_turn) : Json(nullptr)}};
     j["start"] = facts.start ? start_json(*facts.start) : Json(nullptr);
     j["not_known_at_start"] = facts.unknown;
     j["cost"] = nullptr;

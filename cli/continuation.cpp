@@ -55,7 +55,8 @@ void keep_meaning(Case& the_case, int meaning) {
                   since_minima_have_directions = 17, since_normals_are_curved = 18, since_patches_are_tried = 18,
                   since_models_have_wide_ranges = 19, since_equations_are_restored = 19, since_shapes_are_free = 19,
                   since_symmetry_is_seen = 20, since_rough_fields_are_curved = 21, since_patches_lead_sooner = 21,
-                  since_all_fields_are_offered = 22, since_steps_are_free = 22, since_limits_are_restored = 22;
+                  since_all_fields_are_offered = 22, since_steps_are_free = 22, since_limits_are_restored = 22,
+                  since_borders_are_kept = 23;
     for (WingEntry& wing : the_case.planform) {
         wing.keeps_outline = wing.keeps_outline && meaning >= since_outlines_are_kept;
         wing.rules = meaning < since_noses_are_corners_later ? WingRules::earlier
@@ -67,6 +68,7 @@ void keep_meaning(Case& the_case, int meaning) {
     the_case.optimize.shares_with_all_levels = meaning < since_shapes_are_limited;
     the_case.parameters.counts_kept_motion_alone = meaning < since_held_motion_counts;
     the_case.parameters.lets_edges_fold = meaning < since_edges_are_kept;
+    the_case.parameters.lets_border_turn = meaning < since_borders_are_kept;
     if (the_case.wrap && meaning < since_binding_is_tried) the_case.wrap->max_centers = WrapBindingOptions().centers;
     if (the_case.wrap)
         the_case.wrap->sums = meaning < since_large_bodies_are_quick ? RadialSums::by_products

@@ -29,6 +29,7 @@ void ProblemBuilder::set_parameters() {
     p.max_variable_ratio = entry.max_variable_ratio;
     p.mirror = entry.mirror;
     p.keeps_smooth_border = entry.keeps_smooth_border;
+    p.lets_border_turn = entry.lets_border_turn;
     if (purpose_ == Purpose::deform && case_.has_shell) return;
     p.variables_on = marked("parameters.variables_on", entry.variables_on);
     if (!out_.problem.attached.empty()) {  // variables have nothing to move there

@@ -259,6 +259,7 @@ struct ParameterEntry {
     std::vector<UserVariableEntry> user_variables;
     FieldsEntry fields;
     bool keeps_smooth_border = false;
+    bool lets_border_turn = false;  ///< as `Parameters::lets_border_turn`
 
     /// Then the motion limit limits nothing: planform variables move its datum, too.
     bool is_planform_alone() const {

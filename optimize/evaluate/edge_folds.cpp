@@ -11,6 +11,14 @@ namespace {
 
 constexpr double degree = std::numbers::pi / 180;
 constexpr double foldable_below = 120;  ///< degrees at rest
+constexpr double folds_of_a_turn = 10;  ///< so that steps are told of a border early, and aim near its limit
+constexpr double min_turn = 0.1;        ///< of the largest one: a border that turns less limits no step
+constexpr double rounding = 1e-6;       ///< degrees: of designs that are inherited
+
+double as_fold(double turn) { return EdgeFolds::kept + folds_of_a_turn * (std::abs(turn) - EdgeFolds::max_turn); }
+
+/// Edges that are as folded but for rounding are taken in their order.
+bool is_larger(double a, double b) { return std::round(a * 1e9) > std::round(b * 1e9); }
 
 }  // namespace
 
@@ -24,6 +32,26 @@ EdgeFolds::EdgeFolds(std::shared_ptr<const TriMesh> rest, const Adjacency& adjac
         if (dihedral(normal.row(a), normal.row(b)) >= foldable_below * degree) continue;
         hinges_.push_back({a, b});
     }
+}
+
+EdgeFolds EdgeFolds::with_border(const Adjacency& adjacent, const std::vector<char>& held, const Points& datum) const {
+    EdgeFolds all = *this;
+    const Points normal = normals(datum);
+    for (int e = 0; e < adjacent.num_edges(); ++e) {
+        if (!adjacent.is_regular(e)) continue;
+        auto [a, b] = std::array{adjacent.edge_triangles[e][0], adjacent.edge_triangles[e][1]};
+        if (held[static_cast<std::size_t>(a)] == held[static_cast<std::size_t>(b)]) continue;
+        if (!held[static_cast<std::size_t>(a)]) std::swap(a, b);
+        if (!normal.row(b).isZero(0)) all.border_.push_back({a, b, normal.row(b)});
+    }
+    return all;
+}
+
+std::array<int, 2> EdgeFolds::triangles(int edge) const {
+    const auto number = static_cast<std::size_t>(edge);
+    if (number < hinges_.size()) return hinges_[number];
+    const Border& border = border_[number - hinges_.size()];
+    return {border.held, border.free};
 }
 
 /// The two corners that its triangles share, the smaller number first, and their others.
@@ -65,7 +93,52 @@ Points EdgeFolds::normals(const Points& vertices) const {
 }
 
 bool EdgeFolds::any_above(double degrees, const Points& vertices) const {
-    return !is_none() && !above(degrees, normals(vertices)).empty();
+    if (is_none()) return false;
+    const Points normal = normals(vertices);
+    return !above(degrees, normal).empty() || std::ranges::any_of(border_, [&](const Border& border) {
+        return as_fold(turn(border, vertices, normal.row(border.free))) > std::min(degrees, kept) + rounding;
+    });
+}
+
+double EdgeFolds::turn(const Border& border, const Points& vertices, const Eigen::Vector3d& normal) const {
+    const auto t = rest_->triangles.row(border.free);
+    const auto is_held = [&](int v) { return (rest_->triangles.row(border.held).array() == v).any(); };
+    int k = 0;  // the corner before the edge
+    while (k < 2 && is_held(t[k])) ++k;
+    const Eigen::Vector3d along = (vertices.row(t[(k + 2) % 3]) - vertices.row(t[(k + 1) % 3])).normalized();
+    return std::atan2(border.normal.cross(normal).dot(along), border.normal.dot(normal)) / degree;
+}
+
+/// The free corner turns the normal by its motion along it over its distance from the edge.
+EdgeFolds::Row EdgeFolds::border_row(int number, const Points& vertices, const Eigen::Vector3d& normal,
+                                     double turn) const {
+    const int edge = static_cast<int>(hinges_.size()) + number;
+    Row row{edge, as_fold(turn), this->vertices(edge), Eigen::Matrix<double, 4, 3>::Zero(), true};
+    const Eigen::Vector3d from = vertices.row(row.vertices[0]), along = vertices.row(row.vertices[1]),
+                          corner = vertices.row(row.vertices[3]);
+    const double distance = (along - from).normalized().cross(corner - from).norm();
+    if (distance > 0)
+        row.gradient.row(3) = (turn < 0 ? -1 : 1) * folds_of_a_turn / (distance * degree) * normal.transpose();
+    return row;
+}
+
+void EdgeFolds::add_border_rows(const Points& vertices, const Points& normal, double degrees, int count,
+                                std::vector<Row>& chosen) const {
+    std::vector<Row> rows;
+    for (std::size_t k = 0; k < border_.size(); ++k) {
+        const Eigen::Vector3d n = normal.row(border_[k].free);
+        const double angle = turn(border_[k], vertices, n);
+        if (std::abs(angle) > min_turn * max_turn && as_fold(angle) > std::min(degrees, kept))
+            rows.push_back(border_row(static_cast<int>(k), vertices, n, angle));
+    }
+    std::stable_sort(rows.begin(), rows.end(), [](const Row& a, const Row& b) { return is_larger(a.angle, b.angle); });
+    std::vector<int> taken;
+    for (const Row& row : rows) {
+        if (static_cast<int>(taken.size()) >= count) break;
+        if (std::ranges::find(taken, row.vertices[3]) != taken.end()) continue;
+        taken.push_back(row.vertices[3]);
+        chosen.push_back(row);
+    }
 }
 
 std::vector<EdgeFolds::Row> EdgeFolds::rows(const Points& vertices, double degrees, int count) const {
@@ -77,10 +150,7 @@ std::vector<EdgeFolds::Row> EdgeFolds::rows(const Points& vertices, double degre
         const auto [a, b] = triangles(e);
         all.emplace_back(dihedral(normal.row(a), normal.row(b)) / degree, e);
     }
-    // Edges that are as folded but for rounding are taken in their order.
-    std::stable_sort(all.begin(), all.end(), [](const auto& a, const auto& b) {
-        return std::round(a.first * 1e9) > std::round(b.first * 1e9);
-    });
+    std::stable_sort(all.begin(), all.end(), [](const auto& a, const auto& b) { return is_larger(a.first, b.first); });
     std::vector<char> is_taken(static_cast<std::size_t>(vertices.rows()), 0);
     for (const auto& [angle, e] : all) {
         if (static_cast<int>(chosen.size()) >= count) break;
@@ -89,13 +159,14 @@ std::vector<EdgeFolds::Row> EdgeFolds::rows(const Points& vertices, double degre
         for (const int v : at) is_taken[static_cast<std::size_t>(v)] = 1;
         chosen.push_back(row(e, vertices, angle));
     }
+    add_border_rows(vertices, normal, degrees, 2 * count, chosen);
     return chosen;
 }
 
 /// d angle = -(m1.da1 / |a1| + m2.da2 / |a2|), a the vector area (twice) of a triangle, and m unit, normal to the edge
 /// in its triangle's plane, towards the other's normal.
 EdgeFolds::Row EdgeFolds::row(int edge, const Points& vertices, double angle) const {
-    const std::array<int, 2>& sides = triangles(edge);
+    const std::array<int, 2> sides = triangles(edge);
     Row row{edge, angle, this->vertices(edge), Eigen::Matrix<double, 4, 3>::Zero()};
     const Eigen::Vector3d along = (vertices.row(row.vertices[1]) - vertices.row(row.vertices[0])).normalized();
     std::array<Eigen::Vector3d, 2> area;

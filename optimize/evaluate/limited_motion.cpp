@@ -17,7 +17,8 @@ constexpr int max_bisections = 8;                ///< of the way back: leaves 1/
 constexpr double nearly_beyond = 0.97;           ///< of its limit: a step may take a vertex beyond that was not
 constexpr double nearly_folded = 0.2;            ///< determinant: the same of triangles
 constexpr EdgeFolds::Angles below_kept{-8, -1};  ///< degrees: the same of edges, and what is aimed at
-constexpr double moved_angle = -0.1;             ///< below what they keep: of designs that are moved
+constexpr double border_aim = EdgeFolds::Angles{}.aimed;
+constexpr double moved_angle = -0.1;  ///< below what they keep: of designs that are moved
 constexpr double degree = std::numbers::pi / 180;
 constexpr double adjoint_tolerance = 1e-11;  ///< that units and rounding choose no other designs
 
@@ -78,19 +79,23 @@ Eigen::VectorXd on_the_way_back(ShapeSolver& solver, const Eigen::VectorXd& x, c
     return low > 0 ? Eigen::VectorXd(inside + low * (x - inside)) : inside;
 }
 
-/// Derivatives of the motion limit's rows, where each is that of one vertex and nothing else.
+/// Derivatives of rows, and of a border's, where each is that of one vertex and nothing else.
 void differentiate_rows(ShapeSolver& solver, const Eigen::VectorXd& x, const AdjointOptions& options,
                         MotionConditions& at) {
     const DesignSpace& space = solver.space();
     const auto& fields = space.rest->parameters.fields;
     std::vector<int> moved;
-    Points directions(at.num_rows(), 3);
+    Points directions(at.values.size(), 3);
     for (std::size_t i = 0; i < at.rows.size(); ++i) {
         moved.push_back(at.rows[i].vertex);
         directions.row(static_cast<Eigen::Index>(i)) = at.rows[i].direction / solver.limit().reference();
     }
+    for (const EdgeFolds::Row& border : at.folds) {
+        directions.row(static_cast<Eigen::Index>(moved.size())) = degree * border.gradient.row(3);
+        moved.push_back(border.vertices[3]);
+    }
     at.sensitivities = solver.adjoint_of_vertices(moved, directions, options);
-    for (Eigen::Index i = 0; i < at.num_rows(); ++i) {
+    for (Eigen::Index i = 0; i < at.values.size(); ++i) {
         Eigen::VectorXd slope = design_gradient(space, x, at.sensitivities[static_cast<std::size_t>(i)]);
         if (fields)
             slope += design_gradient_of_fields(
@@ -102,7 +107,8 @@ void differentiate_rows(ShapeSolver& solver, const Eigen::VectorXd& x, const Adj
 void differentiate(ShapeSolver& solver, const Eigen::VectorXd& x, const Points& vertices, const AdjointOptions& options,
                    MotionConditions& at) {
     at.slopes.resize(at.values.size(), x.size());
-    if (at.folds.empty() && acts_as_given(*solver.space().rest)) return differentiate_rows(solver, x, options, at);
+    if (std::ranges::all_of(at.folds, &EdgeFolds::Row::is_border) && acts_as_given(*solver.space().rest))
+        return differentiate_rows(solver, x, options, at);
     std::vector<Points> functionals(at.rows.size() + at.folds.size(), Points::Zero(vertices.rows(), 3));
     for (std::size_t i = 0; i < at.rows.size(); ++i)
         functionals[i].row(at.rows[i].vertex) = at.rows[i].direction / solver.limit().reference();
@@ -158,7 +164,8 @@ MotionConditions motion_conditions(ShapeSolver& solver, const Eigen::VectorXd& x
     const double unit = solver.limit().reference();
     for (std::size_t i = 0; i < at.rows.size(); ++i) at.values[static_cast<Eigen::Index>(i)] = at.rows[i].value / unit;
     for (std::size_t i = 0; i < at.folds.size(); ++i)
-        at.values[at.num_rows() + static_cast<Eigen::Index>(i)] = degree * (at.folds[i].angle - angles.aimed);
+        at.values[at.num_rows() + static_cast<Eigen::Index>(i)] =
+            degree * (at.folds[i].angle - (at.folds[i].is_border ? std::min(angles.aimed, border_aim) : angles.aimed));
     AdjointOptions options;
     options.tolerance = adjoint_tolerance;
     const DesignSpace& space = solver.space();

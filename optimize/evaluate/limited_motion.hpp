@@ -26,7 +26,7 @@ MotionLimit motion_limit(const Problem& problem, const std::shared_ptr<const Res
                          const std::function<bool()>& stop_wanted, std::optional<Poses>& poses);
 
 /// Conditions of vertices that use at least `min_used` of their limit at x, and of edges that nearly fold; none where
-/// x has no equilibrium. Cost: one back-substitution for each, at most 24 and 12.
+/// x has no equilibrium. Cost: one back-substitution for each, at most 24 and 12, and 24 of a border that is kept.
 MotionConditions motion_conditions(ShapeSolver& solver, const Eigen::VectorXd& x, double min_used,
                                    const EdgeFolds::Angles& angles);
 

@@ -12,6 +12,15 @@ namespace {
 constexpr int max_iterations = 14;
 constexpr std::size_t known_shapes = 3;  ///< equilibria of a level from which the nearest is the start of the next
 
+/// Where the datum has them, whatever the design: held, or moved by given strains.
+std::vector<int> triangles_that_stay(const Problem& problem) {
+    std::vector<int> all = problem.fixed;
+    if (!problem.wrap)
+        for (const PrescribedStrain& strain : problem.strains)
+            all.insert(all.end(), strain.triangles.begin(), strain.triangles.end());
+    return all;
+}
+
 }  // namespace
 
 std::string to_string(EvaluationStatus status) {
@@ -56,7 +65,7 @@ std::string defect_of(const ShapeGuard& guard, const RestFacts& rest, const Shel
 }
 
 ShapeSolver::ShapeSolver(const Problem& problem, std::shared_ptr<const RestFacts> rest)
-    : rest_(std::move(rest)), guard_(guard_of(problem, rest_)) {}
+    : rest_(std::move(rest)), guard_(guard_of(problem, rest_)), held_(triangles_that_stay(problem)) {}
 
 void ShapeSolver::enter(const DesignSpace& space) {
     space_ = space;
@@ -72,12 +81,29 @@ void ShapeSolver::set_ranges(const Eigen::VectorXd& lower, const Eigen::VectorXd
 
 void ShapeSolver::set_limit(MotionLimit limit, std::optional<Poses> poses) {
     limit_ = std::move(limit);
+    keep_border();
     if (poses) accepted_ = std::move(poses);
+}
+
+/// A planform moves the root's neighbours by itself, and its ranges say how far.
+void ShapeSolver::keep_border() {
+    const Parameters& p = rest_->parameters;
+    border_ = edges_and_border_ = {};
+    if (limit_.is_none() || !p.keeps_smooth_border || p.lets_border_turn || p.planform || held_.empty()) return;
+    std::vector<char> held(static_cast<std::size_t>(rest_->surface.num_triangles()), 0);
+    for (const int t : held_) held[static_cast<std::size_t>(t)] = 1;
+    const std::shared_ptr<const TriMesh> surface(rest_, &rest_->surface);
+    const Adjacency of_body = guard_.wrap ? adjacency(*surface) : Adjacency{};
+    const Adjacency& adjacent = guard_.wrap ? of_body : rest_->adjacent;
+    border_ = EdgeFolds(surface).with_border(adjacent, held, limit_.datum());
+    edges_and_border_ = guard_.surface.edge_folds().with_border(adjacent, held, limit_.datum());
 }
 
 const EdgeFolds& ShapeSolver::edge_folds() const {
     static const EdgeFolds none;
-    const bool keeps = shell_ && !guard_.wrap && !limit_.is_none() && !rest_->parameters.lets_edges_fold;
+    if (limit_.is_none()) return none;
+    const bool keeps = shell_ && !guard_.wrap && !rest_->parameters.lets_edges_fold;
+    if (!border_.is_none()) return keeps ? edges_and_border_ : border_;
     return keeps ? guard_.surface.edge_folds() : none;
 }
 

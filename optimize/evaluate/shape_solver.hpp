@@ -35,7 +35,8 @@ public:
     /// Shapes beyond it are refused from now on. @param poses of its datum; equilibria are sought from there first.
     void set_limit(MotionLimit limit, std::optional<Poses> poses);
     const MotionLimit& limit() const { return limit_; }
-    /// Edges that designs keep from folding: of a shell's surface under a motion limit.
+    /// Edges that designs keep from folding, under a motion limit: of a shell's surface, and of a border of what is
+    /// held that is kept smooth.
     const EdgeFolds& edge_folds() const;
     /// Designs do not follow each other: from now on every equilibrium is sought from the datum (without a limit: from
     /// rest), by any way that the shell knows. What a design gives depends on it alone.
@@ -82,6 +83,7 @@ private:
     /// last, else the accepted one; none before the first evaluation of a run.
     const Poses* nearest_known(const Eigen::VectorXd& x) const;
     void build_shell(const ShellDemand& demand);
+    void keep_border();
     bool solve(const Eigen::VectorXd& x, ShapeEvaluation& result);
     bool at_equilibrium(const Eigen::VectorXd& x, ShapeEvaluation& result);
     /// Of what `settle` gave last.
@@ -92,6 +94,7 @@ private:
 
     std::shared_ptr<const RestFacts> rest_;
     ShapeGuard guard_;
+    std::vector<int> held_;  ///< triangles that no design moves
     DesignSpace space_;
     std::function<bool()> stop_wanted_;
     std::unique_ptr<PrimoShell> shell_;
@@ -100,6 +103,7 @@ private:
     Eigen::VectorXd shell_x_;   ///< of the equilibrium that the shell is at; empty: it is at none
     ShellDemand shell_demand_;  ///< of the same; where only the fields change, it is kept
     MotionLimit limit_;
+    EdgeFolds border_, edges_and_border_;  ///< none: no border is kept
     std::string no_datum_;
     bool is_each_from_datum_ = false;
     Poses rest_poses_;                           ///< of `shell_`

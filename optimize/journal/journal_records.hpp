@@ -24,7 +24,7 @@ struct RunLimits {
 };
 
 /// Of runs that begin now; the first is 1.
-constexpr int latest_meaning = 22;
+constexpr int latest_meaning = 23;
 inline int meaning_of(const std::string& written) {
     for (int meaning = 1; meaning < latest_meaning; ++meaning)
         if (written == std::to_string(meaning)) return meaning;
@@ -69,7 +69,8 @@ struct JournalFacts {
     /// the finest of them (`fields_lead`); 22: by exact gradients a refinement is offered all fields
     /// (`Parameters::offers_fields_by_steps`), steps of sqp that lead to no valid shape cost no evaluation
     /// (`steps_pay_without_shape`), and searches by models lead back to limits that are known exactly
-    /// (`leaves_limits`).
+    /// (`leaves_limits`); 23: a border of what is held that is kept smooth limits every design
+    /// (`Parameters::lets_border_turn`).
     int meaning = latest_meaning;
     std::vector<std::string> values, parameters;  ///< names of the values and of the parameters
     std::map<std::string, std::string> files;     ///< hash of each file that the case names

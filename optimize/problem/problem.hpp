@@ -113,7 +113,11 @@ struct Parameters {
     /// level of fields is left where what is offered promises a tenth of what they do: of splines along the axis, and
     /// the meaning of earlier runs.
     bool offers_fields_by_steps = false;
-    bool keeps_smooth_border = false;  ///< fields leave what is held with no slope
+    /// Fields leave what is held with no slope, and no design turns normals beside it by more than
+    /// `max_border_turn`, where the motion limit limits shapes and there is no planform.
+    bool keeps_smooth_border = false;
+    static constexpr double max_border_turn = 2;  ///< degrees
+    bool lets_border_turn = false;                ///< the meaning of earlier runs: of fields alone
     /// The kind of shape that every design keeps: its surface is x0 + P(...), P the projection of `Invariance`. Loads
     /// act by what of them keeps it. Null: any shape. Not with kinds `strain`, nor with attached parts.
     std::shared_ptr<const Invariance> invariance;

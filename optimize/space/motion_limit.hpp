@@ -45,6 +45,7 @@ public:
     /// A length that limits are compared with, > 0.
     double reference() const { return reference_; }
     double diagonal() const { return diagonal_; }
+    const Points& datum() const { return datum_; }
 
 private:
     template <class Visit>

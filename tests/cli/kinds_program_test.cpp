@@ -177,6 +177,7 @@ TEST_F(KindsProgram, DesignsAreSteppedMixedSweptAndContinued) {
     EXPECT_NE(sweep.out.find("volume"), std::string::npos);
     EXPECT_FALSE(told["can_make"]["motions"].empty());
     EXPECT_TRUE(told["border"].contains("turn_by_fields_deg"));
+    EXPECT_TRUE(told["border"]["kept_deg"].is_null());
     EXPECT_EQ(run_strake({"check", path("case.yaml")}).status, 0);
 }
 

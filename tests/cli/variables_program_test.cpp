@@ -128,5 +128,25 @@ TEST_F(VariablesProgram, ARunGoesOnWhereAnotherEnded) {
     EXPECT_FALSE(std::filesystem::exists(path("d")));
 }
 
+/// keep: smooth_border says what limits designs: not beside a fit without a limit of its own.
+TEST_F(VariablesProgram, CheckSaysWhereABorderIsKept) {
+    const std::string body =
+        "surface: {file: s.obj}\nregions: {a: {box: [[-2, -1, -1], [-0.6, 1, 1]]}}\nfixed: [a]\n"
+        "parameters: {patches_per_level: [2], variables: [normal]@}\n";
+    const auto kept = [&](const std::string& more, const std::string& what) {
+        std::string text = body + what;
+        text.replace(text.find('@'), 1, more);
+        const ProgramRun check = run_strake({"check", folder.write("b.yaml", text).string(), "--json"});
+        EXPECT_EQ(check.status, 0) << check.err;
+        return Json::parse(check.out)["border"]["kept_deg"];
+    };
+    const std::string search = "objective: {maximize: volume}\n",
+                      fit = "quantities: {d: {type: target_shape, file: s.obj, match: same}}\nfit: [d]\n";
+    EXPECT_TRUE(kept("", search).is_null());
+    EXPECT_EQ(kept(", keep: smooth_border", search), 2);
+    EXPECT_TRUE(kept(", keep: smooth_border", fit).is_null());
+    EXPECT_EQ(kept(", keep: smooth_border, max_displacement: 5%", fit), 2);
+}
+
 }  // namespace
 }  // namespace strake

@@ -116,7 +116,7 @@ void print_border(const CheckFacts& facts) {
         "border      normals beside what is held turn by up to {:.2g} degrees at a move of {:.0f} % of the diagonal "
         "({})\n",
         std::max(border.by_fields, border.by_patches), 100 * border.move, border.variable);
-    constexpr double a_crease = 2;
+    constexpr double a_crease = Parameters::max_border_turn;
     if (border.is_kept)
         fmt::print("            designs keep to {:.0f}: parameters.keep: smooth_border\n", Parameters::max_border_turn);
     else if (border.by_fields > a_crease && !border.is_smooth)

@@ -34,10 +34,9 @@ std::vector<Key> field_keys() {
          .type = Type::word,
          .doc =
              "smooth_border: displacement fields leave what is held with no slope, and no design of a run turns "
-             "normals "
-             "beside what is fixed or moved by strains by more than 2 degrees, so that no crease forms there. Beside a "
-             "planform and in a fit that states no max_displacement fields alone keep to it. `strake check` says by "
-             "how much variables turn them. none: fields leave it with a slope, which more motions have.",
+             "normals beside what is fixed or moved by strains by more than 2 degrees, so that no crease forms there. "
+             "Beside a planform and in a fit that states no max_displacement fields alone keep to it. `strake check` "
+             "says by how much variables turn them. none: fields leave it with a slope, which more motions have.",
          .fallback = "none",
          .words = {"none", "smooth_border"}},
         {.path = "parameters.fields", .doc = "Displacement fields with what they act on."},

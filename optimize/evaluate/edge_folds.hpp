@@ -45,7 +45,7 @@ public:
     /// A border may have `kept` at most, whatever the degrees.
     bool any_above(double degrees, const Points& vertices) const;
     /// The same with derivatives, the largest first, at most `count`, no two at one vertex; then those of the border
-    /// that turn by more than half of `max_turn`, at most twice as many, no two at one free corner.
+    /// that turn by more than a tenth of `max_turn`, at most twice as many, no two at one free corner.
     std::vector<Row> rows(const Points& vertices, double degrees, int count) const;
     /// Of a border the held one first.
     std::array<int, 2> triangles(int edge) const;
@@ -60,6 +60,7 @@ private:
     };
     /// Signed, degrees, about the edge as the free triangle goes round it. @param normal of the free triangle
     double turn(const Border& border, const Points& vertices, const Eigen::Vector3d& normal) const;
+    /// @param number in `border_`
     Row border_row(int number, const Points& vertices, const Eigen::Vector3d& normal, double turn) const;
     void add_border_rows(const Points& vertices, const Points& normal, double degrees, int count,
                          std::vector<Row>& chosen) const;

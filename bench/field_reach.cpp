@@ -15,7 +15,8 @@
 /// What displacement fields can make: percent of the squared displacement (by area) of typical motions, on six bodies.
 ///     field_reach [FOLDER]    with the folder of real surfaces (default: $STRAKE_DATA), two more
 ///     field_reach --wings [FOLDER]    sections and fields of a wing on three wings: the same, and shapes of airfoils
-/// "27+9": the first 27 and the nine of 192 that a refinement takes, each for what it adds to those before.
+/// "27+9": the first 27 and the nine of 192 that a refinement takes, each for what it adds to those before. Bodies that
+/// are symmetric stay so (`mirror: true`; runs by values find it), their sections follow each other from nose to tail.
 namespace {
 
 using namespace strake;
@@ -27,8 +28,7 @@ struct Body {
     std::string name;
     TriMesh mesh;
     FieldConditions conditions;
-    char length =
-        0;  ///< the coordinate direction that droops; 0: that of the sections. A flying wing is longest across
+    bool has_wings = false;  ///< motions along the span, too: of a body that is about as wide as long
 };
 
 /// The triangles of which all corners are below the share of the extent.
@@ -63,19 +63,20 @@ std::vector<Body> bodies(const std::string& folder) {
         if (!std::filesystem::exists(path)) continue;
         all.push_back({name, read_surface(path).mesh, {}});
         all.back().conditions.held = low_end(all.back().mesh, axis, 0.05);
-        if (axis == 0) all.back().length = 'x';
+        all.back().has_wings = axis == 0;
     }
+    for (Body& body : all)
+        if (body.name.find("body") != std::string::npos || body.name.find("fuselage") != std::string::npos)
+            body.conditions.mirror = SymmetryPlane{Vector3d::UnitY(), 0};
     return all;
 }
 
 /// The upper half along the body bends down, and its top rises in the middle.
-Points droop(const TriMesh& mesh, const FieldFrame& frame, char length) {
-    const auto named = std::find(frame.letter.begin(), frame.letter.end(), length);
-    const auto along = named == frame.letter.end() ? 0 : named - frame.letter.begin();
+Points droop(const TriMesh& mesh, const FieldFrame& frame) {
     Points u(mesh.num_vertices(), 3);
     for (int v = 0; v < mesh.num_vertices(); ++v) {
         const Vector3d at = frame.local(mesh.vertices.row(v));
-        const double s = at[along];
+        const double s = at[0];
         const double down = std::max(0.0, s) * std::max(0.0, s), r = (s - 0.2) / 0.5;
         const double canopy = std::abs(r) < 1 ? 0.5 * (1 - r * r) * (1 - r * r) * std::max(0.0, at[2]) : 0;
         u.row(v) = (canopy - down) * frame.axes.col(2);
@@ -209,6 +210,19 @@ void print_wings(const std::string& folder) {
     }
 }
 
+/// Typical ones, and the droop; of a body with wings those of the wings, too.
+std::vector<TypicalMotion> motions_of(const Body& body, const FieldFrame& frame) {
+    std::vector<TypicalMotion> motions = typical_motions(body.mesh, body.conditions);
+    Points down = droop(body.mesh, frame);
+    for (const int t : body.conditions.held)
+        for (int k = 0; k < 3; ++k) down.row(body.mesh.triangles(t, k)).setZero();
+    motions.push_back({"droop", down});
+    if (body.has_wings)
+        for (TypicalMotion& motion : typical_motions(body.mesh, body.conditions, Vector3d::UnitY()))
+            if (motion.name != std::string("bump")) motions.push_back({text("y ", motion.name), motion.displacement});
+    return motions;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -225,12 +239,7 @@ int main(int argc, char** argv) {
             fmt::print("{:>7}", fields.back().size());
         }
         fmt::print("{:>7}", "27+9");
-        std::vector<TypicalMotion> motions = typical_motions(body.mesh, body.conditions);
-        Points down = droop(body.mesh, fields[0].frame(), body.length);
-        for (const int t : body.conditions.held)
-            for (int k = 0; k < 3; ++k) down.row(body.mesh.triangles(t, k)).setZero();
-        motions.push_back({"droop", down});
-        for (const TypicalMotion& motion : motions) {
+        for (const TypicalMotion& motion : motions_of(body, fields[0].frame())) {
             fmt::print("\n{:<10}", motion.name);
             for (const DisplacementFields& one : fields)
                 fmt::print("{:7.1f}", 100 * share(body.mesh, one, motion.displacement, !body.conditions.held.empty()));

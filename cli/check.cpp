@@ -11,6 +11,7 @@
 #include "cli/outputs.hpp"
 #include "core/fields/invariance.hpp"
 #include "core/mesh/geometry.hpp"
+#include "core/mesh/triangle_box.hpp"
 #include "core/planform/planform_motion.hpp"
 #include "core/text/file.hpp"
 #include "core/wrap/wrap_map.hpp"
@@ -101,6 +102,34 @@ void add_serial_warning(const Problem& problem, std::vector<std::string>& warnin
                     programs > 1 ? fmt::format(", in which the {} programs run side by side", programs) : ""));
 }
 
+/// Where triangles are and how much of the surface.
+struct Extent {
+    double area = 0;
+    Box box{};
+};
+
+Extent extent_of(const TriMesh& mesh, const std::vector<int>& triangles) {
+    Extent found{0, triangle_box(mesh, triangles)};
+    for (const int t : triangles) found.area += area_vector(mesh, t).norm();
+    return found;
+}
+
+Json extent_json(std::size_t triangles, double area, const Box& box) {
+    Json j{{"triangles", triangles}, {"area", area}, {"box", nullptr}};
+    if (triangles > 0) j["box"] = {{box.min[0], box.min[1], box.min[2]}, {box.max[0], box.max[1], box.max[2]}};
+    return j;
+}
+
+Json extent_json(const TriMesh& mesh, const std::vector<int>& triangles) {
+    const Extent extent = extent_of(mesh, triangles);
+    return extent_json(triangles.size(), extent.area, extent.box);
+}
+
+std::string extent_words(double area, const Box& box) {
+    return fmt::format("area {:.6g}, box [{:.6g}, {:.6g}, {:.6g}] to [{:.6g}, {:.6g}, {:.6g}]", area, box.min[0],
+                       box.min[1], box.min[2], box.max[0], box.max[1], box.max[2]);
+}
+
 Json as_json(const BuiltProblem& built, const std::vector<std::string>& warnings, const std::vector<int>& pin) {
     const Problem& problem = built.problem;
     Json j;
@@ -117,14 +146,12 @@ Json as_json(const BuiltProblem& built, const std::vector<std::string>& warnings
                      {"farthest", problem.wrap->binding().largest_depth()},
                      {"options", built.wrap}};
     j["regions"] = Json::array();
-    for (const RegionTriangles& region : built.regions)
-        j["regions"].push_back({{"name", region.name},
-                                {"triangles", region.triangles.size()},
-                                {"area", region.area},
-                                {"box",
-                                 {{region.box.min[0], region.box.min[1], region.box.min[2]},
-                                  {region.box.max[0], region.box.max[1], region.box.max[2]}}}});
+    for (const RegionTriangles& region : built.regions) {
+        j["regions"].push_back({{"name", region.name}});
+        j["regions"].back().update(extent_json(region.triangles.size(), region.area, region.box));
+    }
     j["fixed_triangles"] = problem.fixed.size();
+    j["fixed"] = extent_json(problem.surface, problem.fixed);
     j["supports"] = problem.supports;
     j["kind"] = problem.parameters.invariance ? Json(to_string(problem.parameters.invariance->kind())) : Json(nullptr);
     j["attached"] = Json::array();
@@ -137,7 +164,12 @@ Json as_json(const BuiltProblem& built, const std::vector<std::string>& warnings
         j["levels"].push_back({{"level", k},
                                {"angle_deg", level.angle_deg},
                                {"patches", level.patches.size()},
-                               {"max_variables", max_variables(problem, level, pin)}});
+                               {"max_variables", max_variables(problem, level, pin)},
+                               {"each", Json::array()}});
+        for (const Patch& patch : level.patches) {
+            j["levels"].back()["each"].push_back({{"name", patch.name}});
+            j["levels"].back()["each"].back().update(extent_json(elastic_surface(problem), patch.triangles));
+        }
     }
     j["given"] = Json::array();
     for (const UserVariable& variable : problem.parameters.user_variables)
@@ -168,17 +200,17 @@ Json as_json(const BuiltProblem& built, const std::vector<std::string>& warnings
 }
 
 void print_region(const RegionTriangles& region) {
-    const Box& box = region.box;
-    fmt::print("region      {}: {} triangles, area {:.6g}, box [{:.6g}, {:.6g}, {:.6g}] to [{:.6g}, {:.6g}, {:.6g}]\n",
-               region.name, region.triangles.size(), region.area, box.min[0], box.min[1], box.min[2], box.max[0],
-               box.max[1], box.max[2]);
+    fmt::print("region      {}: {} triangles, {}\n", region.name, region.triangles.size(),
+               extent_words(region.area, region.box));
 }
 
 /// What keeps the body where it is, and what kind of shape.
 void print_held(const Case& the_case, const Problem& problem) {
-    if (the_case.hold.by == HoldEntry::By::fixed)
+    if (the_case.hold.by == HoldEntry::By::fixed) {
         fmt::print("held        {} triangles fixed, {} given strains\n", problem.fixed.size(), problem.strains.size());
-    else if (the_case.hold.by == HoldEntry::By::none)
+        const Extent extent = extent_of(problem.surface, problem.fixed);
+        if (!problem.fixed.empty()) fmt::print("            fixed: {}\n", extent_words(extent.area, extent.box));
+    } else if (the_case.hold.by == HoldEntry::By::none)
         fmt::print("held        nothing: the fields neither move nor turn the body in the mean\n");
     else
         for (const int t : problem.supports) {
@@ -215,6 +247,18 @@ void print_given(const Problem& problem, bool is_search) {
     if (is_search && !user_variables.empty()) fmt::print("given       {}\n", joined(user_variables));
 }
 
+void print_level(const Problem& problem, std::size_t number, const std::vector<int>& pin) {
+    const PatchLevel& level = problem.tree.levels[number];
+    std::vector<double> areas;
+    for (const Patch& patch : level.patches) areas.push_back(extent_of(elastic_surface(problem), patch.triangles).area);
+    fmt::print("level {}     {} patches at {:.4g} degrees, at most {} variables", number, level.patches.size(),
+               level.angle_deg, max_variables(problem, level, pin));
+    if (!areas.empty())
+        fmt::print("; areas {:.3g} to {:.3g} (--json, --picture)", *std::ranges::min_element(areas),
+                   *std::ranges::max_element(areas));
+    fmt::print("\n");
+}
+
 void print_words(const CheckArguments& args, const Case& the_case, const BuiltProblem& built,
                  const std::vector<int>& pin, const CheckFacts& facts, const std::optional<AxesFacts>& axes) {
     const Problem& problem = built.problem;
@@ -236,9 +280,7 @@ void print_words(const CheckArguments& args, const Case& the_case, const BuiltPr
     if (axes) print_axes(*axes);
     const bool is_search = !problem.objective.empty() || !problem.fit.empty();
     for (std::size_t k = 1; is_search && problem.has_shell && k < problem.tree.levels.size(); ++k)
-        fmt::print("level {}     {} patches at {:.4g} degrees, at most {} variables\n", k,
-                   problem.tree.levels[k].patches.size(), problem.tree.levels[k].angle_deg,
-                   max_variables(problem, problem.tree.levels[k], pin));
+        print_level(problem, k, pin);
     print_given(problem, is_search);
     print_planform(problem);
     for (const ProgramParameter& parameter : problem.program_parameters)
@@ -272,7 +314,7 @@ void check(const CheckArguments& args) {
     add_serial_warning(built.problem, warnings);
     const std::optional<AxesFacts> axes = axes_facts(the_case, built.problem.surface);
     if (axes && !axes->warning.empty()) warnings.push_back(axes->warning);
-    if (!args.picture.empty()) write_atomically(args.picture, check_picture(the_case, built.problem, axes));
+    if (!args.picture.empty()) write_atomically(args.picture, check_picture(the_case, built, axes));
     const std::vector<int> pin = shell_setup(built.problem).options.pin;
     const std::string resolved = args.print_resolved ? resolved_case(the_case, the_case.dir()) : "";
     const CheckFacts facts = args.print_resolved && !args.json ? CheckFacts{} : check_facts(built, args.wishes);
@@ -337,7 +379,7 @@ void add_check(CLI::App& app) {
                         "write the wrap around the body, its patches and what of it is held, for ParaView (.vtp)");
     command
         ->add_option("--picture", args->picture,
-                     "draw the body with its axes as arrows, and what is held (.svg, for a browser)")
+                     "draw the body with its axes as arrows, what is held, regions and patches (.svg, for a browser)")
         ->excludes(evaluate);
     command->callback([args] {
         try {

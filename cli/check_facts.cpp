@@ -129,8 +129,7 @@ CheckFacts check_facts(const BuiltProblem& built, const CheckWishes& wishes) {
     if (!problem.fixed.empty()) {
         const Parameters& p = problem.parameters;
         facts.border.emplace().is_smooth = p.keeps_smooth_border;
-        facts.border->is_kept =
-            p.keeps_smooth_border && !p.planform && limits_motion(problem.fit.empty() ? p : with_stated_limit(p));
+        facts.border->is_kept = limits_border(p) && limits_motion(problem.fit.empty() ? p : with_stated_limit(p));
     }
     facts.space = space_facts(space, [&](const Variable& variable, const Points& dv) {
         if (facts.border) add_border(*rest, of_surface, held, variable, dv, *facts.border);

@@ -1,9 +1,13 @@
 #include "cli/check_picture.hpp"
 
 #include "core/mesh/geometry.hpp"
+#include "core/patches/carried.hpp"
+#include "core/wrap/wrap_map.hpp"
 
 #include <fmt/core.h>
 #include <Eigen/Geometry>
+#include <algorithm>
+#include <numeric>
 
 namespace strake::cli {
 namespace {
@@ -11,7 +15,8 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr int width = 400, height = 300;
-constexpr Colour free_colour{178, 206, 232}, held_colour{150, 150, 150}, attached_colour{240, 228, 66};
+constexpr Colour free_colour{178, 206, 232}, held_colour{150, 150, 150}, attached_colour{240, 228, 66},
+    region_colour{230, 159, 0};
 constexpr Colour air{0, 90, 150}, up_colour{0, 120, 85}, wing_colour{190, 80, 0};
 
 Panel::Arrow arrow(const Drawing& drawing, const Vector3d& from, const Vector3d& to, const Colour& colour,
@@ -46,6 +51,74 @@ Paint paint_of(const Problem& problem) {
     return paint;
 }
 
+constexpr std::size_t max_regions = 24, max_levels = 6;
+constexpr int min_named = 150;  ///< pixels of a patch that has its name in the picture
+
+/// A view along a coordinate direction of the body: the direction to the eye, and what is up there.
+struct Side {
+    const char* words;
+    Vector3d from, up;
+};
+
+std::vector<Side> sides_of(const BodyAxes& body) {
+    const Vector3d x = body.downstream, y = body.right(), z = body.up;
+    return {{"from above", z, y},     {"from below", -z, y}, {"from the left", -y, z},
+            {"from the right", y, z}, {"from ahead", -x, z}, {"from behind", x, z}};
+}
+
+/// From where most of the triangles' area is turned to the eye.
+const Side& best_side(const std::vector<Side>& sides, const TriMesh& surface, const std::vector<int>& triangles) {
+    const Points normal = triangle_normals(surface);
+    const Eigen::VectorXd area = triangle_areas(surface);
+    const auto seen = [&](const Side& side) {
+        double sum = 0;
+        for (const int t : triangles) sum += area[t] * std::max(0.0, normal.row(t).dot(side.from));
+        return sum;
+    };
+    const Side* best = &sides.front();
+    double most = -1;
+    for (const Side& side : sides)
+        if (const double sum = seen(side); sum > most * (1 + 1e-6)) most = sum, best = &side;
+    return *best;
+}
+
+Panel panel_of(const TriMesh& surface, const std::vector<Colour>& colour, const std::vector<int>& label,
+               const Side& side, const std::string& title) {
+    Panel panel{draw_surface(surface, colour, label, {side.from, side.up, 0.12}, width, height)};
+    panel.title = fmt::format("{}, {}", title, side.words);
+    panel.ticks = ticks_of(panel.drawing, bounding_box(surface));
+    return panel;
+}
+
+Panel region_panel(const TriMesh& surface, const std::vector<Side>& sides, const RegionTriangles& region) {
+    const auto m = static_cast<std::size_t>(surface.num_triangles());
+    std::vector<Colour> colour(m, free_colour);
+    std::vector<int> label(m, 0);
+    for (const int t : region.triangles)
+        colour[static_cast<std::size_t>(t)] = region_colour, label[static_cast<std::size_t>(t)] = 1;
+    return panel_of(surface, colour, label, best_side(sides, surface, region.triangles),
+                    fmt::format("{}: {} triangles", region.name, region.triangles.size()));
+}
+
+Panel patches_panel(const Problem& problem, const std::vector<Side>& sides, std::size_t number) {
+    const PatchLevel& level = problem.tree.levels[number];
+    std::vector<int> label = problem.wrap ? carried(level.label, problem.wrap->wrap_triangle()) : level.label;
+    std::vector<Colour> colour;
+    for (const int k : label) colour.push_back(patch_colour(k));
+    std::vector<std::string> names;
+    for (const Patch& patch : level.patches) names.push_back(patch.name);
+    for (const int t : problem.fixed)
+        colour[static_cast<std::size_t>(t)] = held_colour,
+        label[static_cast<std::size_t>(t)] = static_cast<int>(names.size());
+    names.emplace_back("held");
+    std::vector<int> all(label.size());
+    std::iota(all.begin(), all.end(), 0);
+    Panel panel = panel_of(problem.surface, colour, label, best_side(sides, problem.surface, all),
+                           fmt::format("level {}: {} patches", number, level.patches.size()));
+    panel.names = names_in(panel.drawing, label, names, min_named);
+    return panel;
+}
+
 }  // namespace
 
 void add_axes_arrows(Panel& panel, const AxesFacts& axes, double diagonal) {
@@ -67,7 +140,8 @@ void add_axes_arrows(Panel& panel, const AxesFacts& axes, double diagonal) {
                                  is_left ? "left wing" : "right wing"));
 }
 
-std::string check_picture(const Case& the_case, const Problem& problem, const std::optional<AxesFacts>& axes) {
+std::string check_picture(const Case& the_case, const BuiltProblem& built, const std::optional<AxesFacts>& axes) {
+    const Problem& problem = built.problem;
     const BodyAxes body = axes ? axes->axes : BodyAxes{};
     const Vector3d x = body.downstream, y = body.right(), z = body.up, side = axes && axes->half < 0 ? Vector3d(-y) : y;
     const Paint paint = paint_of(problem);
@@ -77,13 +151,20 @@ std::string check_picture(const Case& the_case, const Problem& problem, const st
           {"from the left", -y, z},
           {"from above", z, y}}) {
         Panel panel{draw_surface(problem.surface, paint.colour, paint.group, {from, up, 0.2}, width, height), title};
+        panel.ticks = ticks_of(panel.drawing, bounding_box(problem.surface));
         if (axes) add_axes_arrows(panel, *axes, box_diagonal(problem.surface));
         panels.push_back(std::move(panel));
     }
+    const std::vector<Side> sides = sides_of(body);
+    for (std::size_t k = 0; k < std::min(max_regions, built.regions.size()); ++k)
+        panels.push_back(region_panel(problem.surface, sides, built.regions[k]));
+    const bool is_search = !problem.objective.empty() || !problem.fit.empty();
+    for (std::size_t k = 1; is_search && problem.has_shell && k < std::min(max_levels, problem.tree.levels.size()); ++k)
+        panels.push_back(patches_panel(problem, sides, k));
     const std::string words = !axes            ? "no axes stated, none needed"
                               : body.is_stated ? "axes as stated"
                                                : "axes assumed: state `axes` if the body points elsewhere";
-    return svg_picture(fmt::format("{}: {}", the_case.name, words), panels, paint.legend);
+    return svg_picture(fmt::format("{}: {}", the_case.name, words), panels, paint.legend, 3);
 }
 
 }  // namespace strake::cli

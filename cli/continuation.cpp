@@ -56,7 +56,7 @@ void keep_meaning(Case& the_case, int meaning) {
                   since_models_have_wide_ranges = 19, since_equations_are_restored = 19, since_shapes_are_free = 19,
                   since_symmetry_is_seen = 20, since_rough_fields_are_curved = 21, since_patches_lead_sooner = 21,
                   since_all_fields_are_offered = 22, since_steps_are_free = 22, since_limits_are_restored = 22,
-                  since_borders_are_kept = 23;
+                  since_borders_are_kept = 23, since_wide_bodies_have_noses = 24;
     for (WingEntry& wing : the_case.planform) {
         wing.keeps_outline = wing.keeps_outline && meaning >= since_outlines_are_kept;
         wing.rules = meaning < since_noses_are_corners_later ? WingRules::earlier
@@ -74,6 +74,7 @@ void keep_meaning(Case& the_case, int meaning) {
         the_case.wrap->sums = meaning < since_large_bodies_are_quick ? RadialSums::by_products
                               : meaning < since_boxes_sum            ? RadialSums::by_centers
                                                                      : RadialSums::by_boxes;
+    the_case.parameters.fields.axis_by_extent_alone = meaning < since_wide_bodies_have_noses;
     the_case.parameters.fields.products_as_before = meaning < since_large_bodies_are_quick;
     the_case.parameters.fields.are_offered_by_steps = meaning < since_all_fields_are_offered;
     the_case.parameters.fields.are_sections_by_default = meaning < since_wings_have_fields;

@@ -1,4 +1,5 @@
 #pragma once
+#include "core/mesh/geometry.hpp"
 #include "core/mesh/mesh.hpp"
 
 #include <Eigen/Geometry>
@@ -57,14 +58,26 @@ struct Panel {
         std::string words;  ///< beside its end; may be empty
     };
     std::vector<Arrow> arrows = {};
+    /// A mark at the lower or the left border of the drawing, with the coordinate that it stands for.
+    struct Tick {
+        double at;  ///< pixels along that border
+        bool is_below;
+        std::string words;
+    };
+    std::vector<Tick> ticks = {};
 };
+
+/// Marks at round coordinates along the borders of a view along a coordinate direction, within the box of what is
+/// drawn; none along a border that is at an angle to the coordinate directions.
+std::vector<Panel::Tick> ticks_of(const Drawing& drawing, const Box& box);
 struct LegendRow {
     Colour colour;
     std::string words;
 };
-/// One SVG with the panels side by side, a title, and a legend below; opens in every browser.
+/// One SVG with a title, the panels in rows of `per_row`, and a legend below; opens in every browser.
+/// @param per_row 0: all side by side
 std::string svg_picture(const std::string& title, const std::vector<Panel>& panels,
-                        const std::vector<LegendRow>& legend);
+                        const std::vector<LegendRow>& legend, int per_row = 0);
 
 /// The best place for each label: the pixel farthest from other labels, for labels of at least `min_pixels` pixels.
 std::vector<Panel::Name> names_in(const Drawing& drawing, const std::vector<int>& label,

@@ -1,9 +1,12 @@
 #include "core/error.hpp"
+#include "core/mesh/geometry.hpp"
 #include "core/text/base64.hpp"
 #include "report/drawing.hpp"
 
 #include <fmt/format.h>
 #include <zlib.h>
+#include <algorithm>
+#include <cmath>
 
 namespace strake {
 namespace {
@@ -85,39 +88,93 @@ std::string png_bytes(const Drawing& drawing) {
     return out;
 }
 
-std::string svg_picture(const std::string& title, const std::vector<Panel>& panels,
-                        const std::vector<LegendRow>& legend) {
-    int width = 20, height = 0;
-    for (const Panel& panel : panels) {
-        width += panel.drawing.width + 20;
-        height = std::max(height, panel.drawing.height);
+namespace {
+
+std::string tick(const Panel::Tick& tick, const Drawing& drawing, double x, double y) {
+    const double bottom = y + drawing.height, at = tick.is_below ? x + tick.at : y + tick.at;
+    if (tick.is_below)
+        return fmt::format("<path d=\"M{0:.1f} {1:.1f}L{0:.1f} {2:.1f}\" stroke=\"#777\"/>\n", at, bottom - 6, bottom) +
+               label_at(at, bottom - 9, tick.words, "middle", "#555");
+    return fmt::format("<path d=\"M{0:.1f} {1:.1f}L{2:.1f} {1:.1f}\" stroke=\"#777\"/>\n", x, at, x + 6) +
+           label_at(x + 9, at + 4, tick.words, "start", "#555");
+}
+
+std::string panel_at(const Panel& panel, int x, int top) {
+    std::string out = fmt::format("<text x=\"{}\" y=\"{}\" font-size=\"14\" fill=\"#444\">{}</text>\n", x, top - 16,
+                                  xml(panel.title));
+    out +=
+        fmt::format("<image x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\" xlink:href=\"data:image/png;base64,{}\"/>\n",
+                    x, top, panel.drawing.width, panel.drawing.height, base64(png_bytes(panel.drawing)));
+    for (const Panel::Tick& one : panel.ticks) out += tick(one, panel.drawing, x, top);
+    for (const Panel::Name& name : panel.names) out += label_at(x + name.x, top + name.y + 4, name.words, "middle", "");
+    for (const Panel::Arrow& one : panel.arrows) out += arrow(one, x, top);
+    return out;
+}
+
+constexpr double min_apart = 120;  ///< pixels of four steps
+
+/// 1, 2 or 5 times a power of ten, of which some four fit.
+double round_step(double length) {
+    const double rough = length / 4, ten = std::pow(10.0, std::floor(std::log10(rough)));
+    for (const double step : {1.0, 2.0, 5.0})
+        if (step * ten >= rough) return step * ten;
+    return 10 * ten;
+}
+
+}  // namespace
+
+std::vector<Panel::Tick> ticks_of(const Drawing& drawing, const Box& box) {
+    std::vector<Panel::Tick> ticks;
+    for (int border = 0; border < 2; ++border) {
+        const Eigen::RowVector3d by = drawing.projection.row(border).head<3>();
+        int c = 0;
+        const double most = by.cwiseAbs().maxCoeff(&c), length = box.max[c] - box.min[c];
+        if (!(most > 0) || by.cwiseAbs().sum() > most * (1 + 1e-9) || !(length > 0)) continue;
+        const double step = round_step(std::max(length, min_apart / most));
+        const auto first = static_cast<long>(std::ceil(box.min[c] / step)),
+                   last = std::min(first + 20, static_cast<long>(std::floor(box.max[c] / step)));
+        for (long k = first; k <= last; ++k) {
+            const double value = static_cast<double>(k) * step;
+            const double at = by[c] * value + drawing.projection(border, 3);
+            ticks.push_back({at, border == 0, fmt::format("{}{:.6g}", k == first ? text("xyz"[c], " = ") : "", value)});
+        }
     }
-    const int top = 78, per_row = std::max(1, (width - 40) / 190);
-    const int rows = (static_cast<int>(legend.size()) + per_row - 1) / per_row;
+    return ticks;
+}
+
+std::string svg_picture(const std::string& title, const std::vector<Panel>& panels,
+                        const std::vector<LegendRow>& legend, int per_row) {
+    constexpr int above = 46;  // the title of a row's panels
+    const std::size_t columns =
+        per_row > 0 ? static_cast<std::size_t>(per_row) : std::max<std::size_t>(1, panels.size());
+    int width = 20, height = 32;
+    std::string body;
+    for (std::size_t first = 0; first < panels.size(); first += columns) {
+        int x = 20, tallest = 0;
+        for (std::size_t k = first; k < std::min(panels.size(), first + columns); ++k) {
+            body += panel_at(panels[k], x, height + above);
+            x += panels[k].drawing.width + 20;
+            tallest = std::max(tallest, panels[k].drawing.height);
+        }
+        width = std::max(width, x);
+        height += above + tallest;
+    }
+    const int legends = std::max(1, (width - 40) / 190);
+    const int rows = (static_cast<int>(legend.size()) + legends - 1) / legends;
     std::string out = fmt::format(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" xmlns:xlink=\"http://www.w3.org/1999/xlink\" width=\"{0}\" "
         "height=\"{1}\" "
         "viewBox=\"0 0 {0} {1}\" font-family=\"sans-serif\">\n<rect width=\"{0}\" height=\"{1}\" fill=\"white\"/>\n"
         "<text x=\"20\" y=\"32\" font-size=\"20\">{2}</text>\n",
-        width, top + height + 24 + 22 * rows, xml(title));
-    int x = 20;
-    for (const Panel& panel : panels) {
-        out += fmt::format("<text x=\"{}\" y=\"62\" font-size=\"14\" fill=\"#444\">{}</text>\n", x, xml(panel.title));
-        out += fmt::format(
-            "<image x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\" xlink:href=\"data:image/png;base64,{}\"/>\n", x, top,
-            panel.drawing.width, panel.drawing.height, base64(png_bytes(panel.drawing)));
-        for (const Panel::Name& name : panel.names)
-            out += label_at(x + name.x, top + name.y + 4, name.words, "middle", "");
-        for (const Panel::Arrow& one : panel.arrows) out += arrow(one, x, top);
-        x += panel.drawing.width + 20;
-    }
+        width, height + 24 + 22 * rows, xml(title));
+    out += body;
     for (std::size_t i = 0; i < legend.size(); ++i) {
-        const int column = static_cast<int>(i) % per_row, row = static_cast<int>(i) / per_row;
+        const int column = static_cast<int>(i) % legends, row = static_cast<int>(i) / legends;
         out += fmt::format(
             "<rect x=\"{}\" y=\"{}\" width=\"14\" height=\"14\" fill=\"{}\" stroke=\"#333\"/>"
             "<text x=\"{}\" y=\"{}\" font-size=\"13\">{}</text>\n",
-            20 + 190 * column, top + height + 14 + 22 * row, hex(legend[i].colour), 40 + 190 * column,
-            top + height + 26 + 22 * row, xml(legend[i].words));
+            20 + 190 * column, height + 14 + 22 * row, hex(legend[i].colour), 40 + 190 * column, height + 26 + 22 * row,
+            xml(legend[i].words));
     }
     return out + "</svg>\n";
 }

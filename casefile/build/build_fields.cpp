@@ -239,6 +239,7 @@ void ProblemBuilder::set_fields() {
     options.axis = entry.axis;
     options.motions = entry.motions;
     options.along = entry.along;
+    options.axis_by_extent_alone = entry.axis_by_extent_alone;
     options.products_as_before = entry.products_as_before;
     at(entry.place, "parameters.fields: ", [&] {
         const auto fields = std::make_shared<const DisplacementFields>(start_.mesh, conditions, options);

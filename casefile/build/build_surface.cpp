@@ -3,6 +3,7 @@
 #include "casefile/build/surface_check.hpp"
 #include "core/mesh/closest_point.hpp"
 #include "core/mesh/geometry.hpp"
+#include "core/mesh/triangle_box.hpp"
 #include "core/patches/automatic.hpp"
 #include "core/patches/carried.hpp"
 #include "core/patches/mirrored.hpp"
@@ -17,17 +18,6 @@
 
 namespace strake {
 namespace {
-
-Box triangle_box(const TriMesh& mesh, const std::vector<int>& triangles) {
-    Box box{mesh.vertices.row(mesh.triangles(triangles.front(), 0)),
-            mesh.vertices.row(mesh.triangles(triangles.front(), 0))};
-    for (const int t : triangles)
-        for (int k = 0; k < 3; ++k) {
-            box.min = box.min.cwiseMin(mesh.vertices.row(mesh.triangles(t, k)).transpose());
-            box.max = box.max.cwiseMax(mesh.vertices.row(mesh.triangles(t, k)).transpose());
-        }
-    return box;
-}
 
 /// The key that moves a cut onto the plane, where it is near. @param off of the edge nearest to the plane, diagonals.
 std::string snap_remedy(double off) {

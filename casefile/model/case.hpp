@@ -210,7 +210,8 @@ struct FieldsEntry {
     AlongAxis along = AlongAxis::polynomials;
     Kind kind = Kind::automatic;
     bool are_sections_by_default = false;  ///< what `automatic` means to a run that began so
-    bool products_as_before = false;       ///< `FieldOptions`: of a run that began so
+    bool axis_by_extent_alone = false;     ///< `FieldOptions`: of a run that began so
+    bool products_as_before = false;       ///< the same
     bool are_offered_by_steps = false;     ///< `Parameters`: of a run that began so
     Place place;
 };

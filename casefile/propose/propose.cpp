@@ -199,15 +199,26 @@ std::string angles_text(const CreaseAngles& angles) {
     return out + "\n";
 }
 
-/// @param farthest the limit on the motion beside fields, for a surface that had to be mended; empty: patches alone.
+/// Fields hold a number for each vertex and function: the 192 that `auto` may come to need 9 GB of ten million
+/// triangles.
+constexpr int many_for_fields = 2000000;
+
+std::string number_of_fields(int triangles, const std::string& comment) {
+    if (triangles <= many_for_fields) return padded("  fields: auto", comment);
+    return padded("  fields: 27", "smooth motions of the whole body; more (auto: up to 192) take more memory");
+}
+
+/// @param farthest the limit on the motion beside fields, for a surface that had to be mended; empty: that of other
+/// runs
 std::string parameters_text(const RepairedSurface& surface, const std::optional<SymmetryPlane>& mirror,
                             ProposedHold hold, const std::string& farthest) {
     const CreaseAngles angles = crease_angles(surface.mesh, surface.checkup.adjacent);
     const int triangles = surface.mesh.num_triangles();
     const char* counts = triangles < 2000 ? "[2, 6]" : triangles < 10000 ? "[4, 12]" : "[4, 12, 32]";
     std::string out =
-        "\n# The design variables: each patch moves along its normals, and no point of the surface farther than "
-        "max_displacement; patches get finer from level to level.\nparameters:\n";
+        "\n# The design variables: smooth motions of the whole body first, then patches, each of which moves along its "
+        "normals and gets\n# finer from level to level. No point of the surface moves farther than "
+        "max_displacement.\nparameters:\n";
     out += angles_text(angles);
     out += padded("  levels: auto", "or crease angles, for example [40deg, 20deg]");
     out += padded(text("  patches_per_level: ", counts), "approximate number, level by level");
@@ -217,7 +228,7 @@ std::string parameters_text(const RepairedSurface& surface, const std::optional<
         out += padded("  fields: auto", "smooth motions of the whole body");
         out += padded("  variables: []", "loads on patches would need hold: point");
     } else {
-        if (!farthest.empty()) out += padded("  fields: auto", "smooth motions of the whole body, then patches");
+        out += number_of_fields(triangles, "smooth motions of the whole body, then patches");
         out += padded("  variables: [normal]", "or load, strain, stiffness: strake explain variables");
     }
     out += !farthest.empty()
@@ -329,15 +340,6 @@ std::string remesh_text(const Checkup& c, const std::string& reason) {
     return (reason.empty() ? "" : "\n# " + reason) + "\n" +
            padded(is_of_needles ? "remesh: {edge_length: 2%}" : "remesh: {edge_length: auto}",
                   "new triangles for the same shape; regions refer to them");
-}
-
-/// Fields hold a number for each vertex and function: the 192 that `auto` may come to need 9 GB of ten million
-/// triangles.
-constexpr int many_for_fields = 2000000;
-
-std::string number_of_fields(int triangles, const std::string& comment) {
-    if (triangles <= many_for_fields) return padded("  fields: auto", comment);
-    return padded("  fields: 27", "smooth motions of the whole body; more (auto: up to 192) take more memory");
 }
 
 /// Fields alone: nothing has to be held.

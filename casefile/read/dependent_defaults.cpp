@@ -170,6 +170,31 @@ void set_defaults_by_values(Value& root) {
     if (holds_nothing(root)) add_default(root, "hold", "point");
 }
 
+/// What a search by gradients may state and still say nothing of its variables, patches among them.
+bool states_limits_alone(Value& root) {
+    const Value* parameters = child(root, "parameters");
+    if (!parameters) return true;
+    const auto is_limit = [](const Entry& entry) {
+        return entry.key == "max_displacement" || entry.key == "mirror" || entry.key == "keep";
+    };
+    return parameters->form == Value::Form::map && std::ranges::all_of(parameters->entries, is_limit);
+}
+
+/// A search by gradients begins with displacement fields where the case says nothing of variables nor of patches, and
+/// leaves to the gradient what becomes finer.
+void set_defaults_by_gradients(Value& root) {
+    if (root.form != Value::Form::map || child(root, "fit") || !child(root, "objective") || child(root, "sample"))
+        return;
+    if (is_scalar(child(root, "hold"), "none")) return;  // which loads on patches cannot be beside
+    if (!states_limits_alone(root) || need_any_of(root, quantities_without_gradients(root))) return;
+    if (Value* optimize = child(root, "optimize"); optimize && optimize->form == Value::Form::map) {
+        const Value* method = child(*optimize, "method");
+        const std::string word = method ? algorithm_word(method->text) : "auto";
+        if ((word != "auto" && word != "sqp") || child(*optimize, "start_from")) return;
+    }
+    if (set_automatic_fields(root)) add_default(*parameters_of(root), "split", "sensitivity");
+}
+
 const Value* fields_of(Value& root) {
     Value* parameters = root.form == Value::Form::map ? child(root, "parameters") : nullptr;
     const Value* fields = parameters && parameters->form == Value::Form::map ? child(*parameters, "fields") : nullptr;
@@ -214,6 +239,7 @@ void set_dependent_defaults(Value& root, const std::filesystem::path& dir, bool 
     if (!is_new) return;
     set_defaults_of_fit(root);
     set_defaults_by_values(root);
+    set_defaults_by_gradients(root);
     set_fields_of_start(root, dir);
 }
 

@@ -288,7 +288,8 @@ DisplacementFields::DisplacementFields(const TriMesh& surface, const FieldCondit
     const TriMesh rest = with_loose_vertices_joined(surface);
     const std::optional<SymmetryPlane>& plane = conditions.cut ? conditions.cut : conditions.mirror;
     space_.frame = options.wing ? wing_frame(rest, options.wing->lines(), plane, conditions.cut.has_value())
-                                : field_frame(rest, plane, conditions.cut.has_value(), options.axis, conditions.kind);
+                                : field_frame(rest, plane, conditions.cut.has_value(), options.axis, conditions.kind,
+                                              options.axis_by_extent_alone);
     centroid_ = triangle_centroids(rest);
     CutOff cut = cut_off(rest, centroid_, conditions);
     cut_off_ = std::move(cut.at_centroids);

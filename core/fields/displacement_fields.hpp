@@ -45,7 +45,8 @@ struct FieldOptions {
     /// words are those of `field_motions()`.
     std::vector<std::string> motions{};
     AlongAxis along = AlongAxis::polynomials;
-    bool products_as_before = false;  ///< of one field alone: the bits of earlier runs, in many times the time
+    bool axis_by_extent_alone = false;  ///< see `field_frame`: of runs that began so
+    bool products_as_before = false;    ///< of one field alone: the bits of earlier runs, in many times the time
     /// Fields of this wing, in its own coordinates; then without `axis` and `along`, and not of a kind of shape.
     std::shared_ptr<const WingCoordinates> wing{};
     bool keeps_planform = false;  ///< of a wing: only what leaves both edges of its sections where they are

@@ -16,7 +16,8 @@ using Eigen::Vector3d;
 
 constexpr double equal_moments = 1e-3;  ///< of the largest
 constexpr double flat = 1e-9;           ///< of the largest extent
-constexpr double along = 1e-6;          ///< sine of the angle by which a stated axis may miss the plane
+constexpr double as_wide_as_long = 1.05;
+constexpr double along = 1e-6;  ///< sine of the angle by which a stated axis may miss the plane
 
 /// Orthonormal axes of the space that the columns span, from the coordinate directions that lie in it best.
 Eigen::MatrixXd coordinate_basis(const Eigen::MatrixXd& span) {
@@ -115,6 +116,12 @@ Matrix3d all_axes(const TriMesh& rest, const std::optional<SymmetryPlane>& plane
     return all;
 }
 
+/// The first extent, across the plane of symmetry, must be clearly the largest one to count as that.
+Vector3d narrowed(Vector3d extent) {
+    extent[0] /= as_wide_as_long;
+    return extent;
+}
+
 /// The middle lies on the axis, and both extents across it are the largest distance from it.
 void center_on(FieldFrame& frame, const TriMesh& rest, const ShapeKind& kind) {
     const Points arm = rest.vertices.rowwise() - kind.through.transpose();
@@ -146,7 +153,8 @@ TriMesh with_loose_vertices_joined(TriMesh mesh) {
 }
 
 FieldFrame field_frame(const TriMesh& rest, const std::optional<SymmetryPlane>& plane, bool is_half,
-                       const std::optional<Vector3d>& axis, const std::optional<ShapeKind>& kind) {
+                       const std::optional<Vector3d>& axis, const std::optional<ShapeKind>& kind,
+                       bool by_extent_alone) {
     const Matrix3d axes = all_axes(rest, plane, given_axes(plane, axis, kind));
     Vector3d low, high;
     for (int k = 0; k < 3; ++k) {
@@ -159,11 +167,12 @@ FieldFrame field_frame(const TriMesh& rest, const std::optional<SymmetryPlane>& 
         low[0] = plane->offset - reach, high[0] = plane->offset + reach;
     }
     const Vector3d extent = high - low;
+    const Vector3d compared = plane && !by_extent_alone ? narrowed(extent) : extent;
     std::array<int, 3> order{0, 1, 2};
     const auto is_along = [&](int k, const Vector3d& d) { return std::abs(axes.col(k).dot(d)) > 1 - 1e-9; };
     const auto rank = [&](int k) {
         if (kind && is_along(k, kind->axis)) return is_rotational(kind) ? 2e300 : -1.0;
-        return axis && is_along(k, *axis) ? 1e300 : extent[k];
+        return axis && is_along(k, *axis) ? 1e300 : compared[k];
     };
     std::stable_sort(order.begin(), order.end(),
                      [&](int a, int b) { return rank(a) > rank(b) + 1e-9 * std::abs(rank(b)); });

@@ -24,14 +24,17 @@ struct FieldFrame {
 TriMesh with_loose_vertices_joined(TriMesh mesh);
 
 /// Principal axes of the surface (vertex areas), the one with the largest extent first; the normal of a plane of
-/// symmetry is one of them. Where two principal moments agree within 1e-3 (round bodies) the coordinate directions
-/// decide.
+/// symmetry is one of them, and first only where its extent is more than 5 % larger than the others: a flying wing that
+/// is about as wide as long has its axis from nose to tail. Where two principal moments agree within 1e-3 (round
+/// bodies) the coordinate directions decide.
 /// @param is_half the surface ends on the plane: moments and extents are those of the whole.
 /// @param axis of the sections; else the longest.
+/// @param by_extent_alone the normal of the plane is as any other axis: of runs that began so
 /// @param kind its axis is one of the frame: that of the sections where the shape is the same around it, with the
 /// middle on it and equal extents across; the last one where the shape is extruded along it.
 /// @throws InvalidInput: an axis that is neither in the plane nor normal to it, or so to that of `kind`.
 FieldFrame field_frame(const TriMesh& rest, const std::optional<SymmetryPlane>& plane, bool is_half,
-                       const std::optional<Eigen::Vector3d>& axis, const std::optional<ShapeKind>& kind = {});
+                       const std::optional<Eigen::Vector3d>& axis, const std::optional<ShapeKind>& kind = {},
+                       bool by_extent_alone = false);
 
 }  // namespace strake

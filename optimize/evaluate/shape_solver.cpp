@@ -85,11 +85,9 @@ void ShapeSolver::set_limit(MotionLimit limit, std::optional<Poses> poses) {
     if (poses) accepted_ = std::move(poses);
 }
 
-/// A planform moves the root's neighbours by itself, and its ranges say how far.
 void ShapeSolver::keep_border() {
-    const Parameters& p = rest_->parameters;
     border_ = edges_and_border_ = {};
-    if (limit_.is_none() || !p.keeps_smooth_border || p.lets_border_turn || p.planform || held_.empty()) return;
+    if (limit_.is_none() || !limits_border(rest_->parameters) || held_.empty()) return;
     std::vector<char> held(static_cast<std::size_t>(rest_->surface.num_triangles()), 0);
     for (const int t : held_) held[static_cast<std::size_t>(t)] = 1;
     const std::shared_ptr<const TriMesh> surface(rest_, &rest_->surface);

@@ -126,6 +126,8 @@ std::vector<MotionLimit::Row> MotionLimit::rows(const Points& vertices, double m
     return chosen;
 }
 
+bool limits_border(const Parameters& p) { return p.keeps_smooth_border && !p.lets_border_turn && !p.planform; }
+
 bool limits_motion(const Parameters& p) {
     if (p.limits_variables) return false;
     const auto any = [&](const Eigen::VectorXd& limits) {

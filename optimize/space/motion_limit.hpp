@@ -58,6 +58,9 @@ private:
 
 /// Shapes are limited at all.
 bool limits_motion(const Parameters& parameters);
+/// Whether designs that are limited keep the border of what is held smooth (`keep: smooth_border`). Not beside a
+/// planform, which moves the root's neighbours by itself, and whose ranges say how far.
+bool limits_border(const Parameters& parameters);
 
 /// The same problem without a limit that nobody has written: only a run has one by default. Its variables keep their
 /// units.

@@ -139,7 +139,16 @@ class Axes(unittest.TestCase):
         done = strake("check", "case.yaml", "--quick", *self.WING, "--set", "axes={downstream: +x, up: +z}", "--picture", "axes.svg")
         self.assertIn("wrote       axes.svg\n", done.stdout)
         picture = path("axes.svg").read_text()
-        self.assertEqual(picture.count("<image "), 3)
+        told = json.loads(strake("check", "case.yaml", "--quick", "--json", *self.WING).stdout)
+        self.assertEqual(picture.count("<image "), 3 + len(told["regions"]) + len(told["levels"]))
+        for region in told["regions"]:
+            self.assertIn(">%s: %d triangles, from " % (region["name"], region["triangles"]), picture)
+        for level in told["levels"]:
+            self.assertIn(">level %d: %d patches, from " % (level["level"], level["patches"]), picture)
+            self.assertEqual(sum(patch["triangles"] for patch in level["each"]), told["surface"]["triangles"])
+            self.assertGreater(min(patch["area"] for patch in level["each"]), 0)
+        self.assertEqual(told["fixed"]["triangles"], told["fixed_triangles"])
+        self.assertIn(">x = ", picture)
         for words in (">air<", ">up<", ">right wing<", "axes as stated", "held ("):
             self.assertIn(words, picture)
         strake("check", "case.yaml", "--quick", *self.WING, "--set", "axes={downstream: -x, up: +z}", "--picture", "turned.svg")

@@ -77,9 +77,13 @@ def solve(folder, iterations):
 def evaluate(request_file, result_file):
     with open(request_file, encoding="utf-8") as file:
         request = json.load(file)
-    move(BASE, "case", foam.read_obj(request["surface"])[0])
+    evaluate_surface(foam.read_obj(request["surface"])[0], request["variables"]["alpha"], result_file)
+
+
+def evaluate_surface(vertices, alpha, result_file):
+    move(BASE, "case", vertices)
     flow.check("case")
-    turn_stream("case", request["variables"]["alpha"])
+    turn_stream("case", alpha)
     with open(result_file, "w", encoding="ascii") as file:
         json.dump({"values": solve("case", 100)}, file)
     flow.clean("case")

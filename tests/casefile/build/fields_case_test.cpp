@@ -3,6 +3,7 @@
 #include "core/mesh/geometry.hpp"
 #include "optimize/run/fit.hpp"
 #include "tests/casefile/build_fixture.hpp"
+#include "tests/core/patches/shapes.hpp"
 #include "tests/kinds_of_shape.hpp"
 
 namespace strake {
@@ -20,7 +21,8 @@ objective: {minimize: area}
 TEST_F(FieldsOfACase, AreVariablesThatLeaveWhatIsHeld) {
     const TriMesh mesh = box_surface({4, 1, 0.5}, 8);
     surface(mesh);
-    EXPECT_EQ(build(body).problem.parameters.fields, nullptr) << "none by default";
+    EXPECT_EQ(build(std::string(body) + "parameters: {patches_per_level: [4]}\n").problem.parameters.fields, nullptr)
+        << "none where patches are stated";
     for (const char* words : {"fields: 12", "fields: {number: 12}", "fields: {number: 12, axis: x}, variables: []"}) {
         const Problem problem = build(std::string(body) + "parameters: {" + words + "}\n").problem;
         ASSERT_NE(problem.parameters.fields, nullptr) << words;
@@ -33,6 +35,32 @@ TEST_F(FieldsOfACase, AreVariablesThatLeaveWhatIsHeld) {
     EXPECT_EQ(automatic.field_steps.front(), 27);
     EXPECT_GT(automatic.fields->size(), 60) << "those that a refinement may take";
     EXPECT_EQ(automatic.field_steps.back(), automatic.fields->size());
+}
+
+/// By gradients a case that says nothing of variables nor of patches begins with fields, and the gradient chooses what
+/// becomes finer.
+TEST_F(FieldsOfACase, AreTheDefaultByGradientsWhereNothingIsSaidOfPatches) {
+    surface(box_surface({4, 1, 0.5}, 8));
+    for (const char* words :
+         {"", "parameters: {max_displacement: 3%}\n", "optimize: {method: sqp}\n", "optimize: {method: auto}\n"}) {
+        const Parameters p = build(std::string(body) + words).problem.parameters;
+        ASSERT_NE(p.fields, nullptr) << words;
+        EXPECT_EQ(p.field_steps.front(), 27) << words;
+        EXPECT_EQ(p.split, SplitRule::sensitivity) << words;
+        EXPECT_EQ(p.kinds, std::vector{VariableKind::load}) << words;
+    }
+    for (const char* words :
+         {"parameters: {fields: none}\n", "parameters: {variables: [load]}\n", "parameters: {levels: auto}\n",
+          "parameters: {split: all}\n", "parameters: {patches_per_level: [4]}\n", "optimize: {method: mma}\n",
+          "optimize: {method: nlopt_slsqp}\n"}) {
+        const Parameters p = build(std::string(body) + words).problem.parameters;
+        EXPECT_EQ(p.fields, nullptr) << words;
+        EXPECT_EQ(p.split, SplitRule::tree) << words;
+    }
+    // A run of before goes on as it began.
+    const auto yaml = folder.write("case.yaml", std::string("surface: {file: s.obj, units: m}\n") + body);
+    EXPECT_TRUE(load_case(yaml, Purpose::run).parameters.fields.is_wanted);
+    EXPECT_FALSE(load_case(yaml, Purpose::run, yaml.parent_path()).parameters.fields.is_wanted);
 }
 
 /// A fit that states no variables begins with fields; one that does keeps to them.
@@ -79,7 +107,8 @@ TEST_F(FieldsOfACase, AreTheDefaultByValuesAlone) {
     const std::string held = "regions:\n  root: {box: [[-9, -9, -9], [0.5, 9, 9]]}\nfixed: [root]\n";
     const auto has_fields = [&](const std::string& quantities, const std::string& objective,
                                 const std::string& more = "") {
-        return build(held + "quantities: {" + quantities + "}\nobjective: {minimize: " + objective + "}\n" + more)
+        return build(held + "quantities: {" + quantities + "}\nobjective: {minimize: " + objective +
+                     "}\nparameters: {patches_per_level: [4]}\n" + more)
                    .problem.parameters.fields != nullptr;
     };
     const std::string flow = "flow: {command: [cat], outputs: [drag, lift], gradients: false}",
@@ -184,6 +213,28 @@ TEST_F(FieldsOfACase, AFitWithoutOptionsFindsAWidenedAndFlattenedBody) {
     };
     EXPECT_LT(left(""), 0.03);
     EXPECT_GT(left("parameters: {fields: none, patches_per_level: [4, 8]}\n"), 0.2) << "what fields are for";
+}
+
+/// The same of a wing that is swept by 5.7 degrees beyond its root and whose tip has three quarters of its chord and
+/// thickness.
+TEST_F(FieldsOfACase, AFitWithoutOptionsFindsASweptAndTaperedWing) {
+    const TriMesh start = naca0012_wing(12, 10, 3);
+    surface(start);
+    TriMesh target = start;
+    for (int v = 0; v < start.num_vertices(); ++v) {
+        const double free = std::max(0.0, start.vertices(v, 1) - 0.3), scale = 1 - 0.25 * free / 2.7;
+        target.vertices(v, 0) = 0.25 + scale * (start.vertices(v, 0) - 0.25) + 0.1 * free;
+        target.vertices(v, 2) *= scale;
+    }
+    write_surface(folder.path() / "target.obj", target, SurfaceFormat::obj);
+    Problem problem = build(
+                          "regions: {root: {box: [[-9, -9, -9], [9, 0.01, 9]], touch: any}}\nfixed: [root]\n"
+                          "quantities: {match: {type: target_shape, file: target.obj}}\nfit: [match]\n",
+                          Purpose::fit)
+                          .problem;
+    problem.optimize.max_evaluations = 24;
+    const RunResult r = fit(problem);
+    EXPECT_LT(std::sqrt(r.objective / r.objective_start), 0.03);
 }
 
 TEST_F(FieldsOfACase, DoOnlyTheChosenMotions) {

@@ -421,6 +421,32 @@ TEST(DisplacementFields, FollowTheBodyAndIgnoreUnitsAndNumbers) {
     EXPECT_LT((of_turned - u * turn.transpose()).cwiseAbs().maxCoeff(), 1e-7);
 }
 
+/// The sections of a body that is about as wide as long follow each other from nose to tail.
+TEST(DisplacementFields, BodiesAsWideAsLongHaveTheirAxisInThePlaneOfSymmetry) {
+    const SymmetryPlane middle{Vector3d::UnitY(), 0};
+    const auto axis = [&](double width, bool is_half, bool by_extent_alone) {
+        TriMesh mesh = ellipsoid({1, width, 0.3}, 3);
+        FieldConditions conditions;
+        if (is_half) {
+            std::vector<Eigen::RowVector3i> kept;
+            for (int t = 0; t < mesh.num_triangles(); ++t)
+                if (triangle_centroids(mesh)(t, 1) > 0) kept.emplace_back(mesh.triangles.row(t));
+            mesh.triangles.resize(static_cast<Eigen::Index>(kept.size()), 3);
+            for (std::size_t t = 0; t < kept.size(); ++t) mesh.triangles.row(static_cast<Eigen::Index>(t)) = kept[t];
+        }
+        (is_half ? conditions.cut : conditions.mirror) = middle;
+        FieldOptions options{12, {}};
+        options.axis_by_extent_alone = by_extent_alone;
+        return DisplacementFields(mesh, conditions, options).frame().letter[0];
+    };
+    for (const bool is_half : {false, true}) {
+        EXPECT_EQ(axis(0.9, is_half, false), 'x');
+        EXPECT_EQ(axis(1.03, is_half, false), 'x');
+        EXPECT_EQ(axis(1.03, is_half, true), 'y') << "runs of before";
+        EXPECT_EQ(axis(1.08, is_half, false), 'y');
+    }
+}
+
 TEST(DisplacementFields, RotationsArePolarPartsOfTheMapsGradient) {
     // A tetrahedron that is so small that its corners tell the map's gradient.
     TriMesh body = ellipsoid({3, 1, 0.6}, 2);

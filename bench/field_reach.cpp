@@ -16,7 +16,8 @@
 ///     field_reach [FOLDER]    with the folder of real surfaces (default: $STRAKE_DATA), two more
 ///     field_reach --wings [FOLDER]    sections and fields of a wing on three wings: the same, and shapes of airfoils
 /// "27+9": the first 27 and the nine of 192 that a refinement takes, each for what it adds to those before. Bodies that
-/// are symmetric stay so (`mirror: true`; runs by values find it), their sections follow each other from nose to tail.
+/// are symmetric stay so (`mirror: true`; long runs by values find it), their sections follow each other from nose to
+/// tail.
 namespace {
 
 using namespace strake;
@@ -46,6 +47,7 @@ std::vector<int> low_end(const TriMesh& mesh, int axis, double share) {
 }
 
 std::vector<Body> bodies(const std::string& folder) {
+    const SymmetryPlane middle{Vector3d::UnitY(), 0};
     std::vector<Body> all;
     const TriMesh wing = example::wing(5000), body = example::lifting_body(5000), tube = example::tube(4000),
                   fuselage = example::fuselage(4000);
@@ -53,9 +55,11 @@ std::vector<Body> bodies(const std::string& folder) {
     all.back().conditions.held = low_end(wing, 1, 0.05);
     all.push_back({"lifting body, nose held", body, {}});
     all.back().conditions.held = low_end(body, 0, 0.05);
+    all.back().conditions.mirror = middle;
     all.push_back({"bent tube, nothing held", tube, {}});
     all.push_back({"fuselage, nose held", fuselage, {}});
     all.back().conditions.held = low_end(fuselage, 0, 0.05);
+    all.back().conditions.mirror = middle;
     if (folder.empty()) return all;
     for (const auto& [file, axis, name] : {std::tuple("oneraM6_su2_surface.stl", 1, "ONERA M6, root held"),
                                            std::tuple("bwb_machline_medium.vtk", 0, "blended wing body, nose held")}) {
@@ -64,10 +68,8 @@ std::vector<Body> bodies(const std::string& folder) {
         all.push_back({name, read_surface(path).mesh, {}});
         all.back().conditions.held = low_end(all.back().mesh, axis, 0.05);
         all.back().has_wings = axis == 0;
+        if (axis == 0) all.back().conditions.mirror = middle;
     }
-    for (Body& body : all)
-        if (body.name.find("body") != std::string::npos || body.name.find("fuselage") != std::string::npos)
-            body.conditions.mirror = SymmetryPlane{Vector3d::UnitY(), 0};
     return all;
 }
 

@@ -102,7 +102,7 @@ Panel region_panel(const TriMesh& surface, const std::vector<Side>& sides, const
 
 Panel patches_panel(const Problem& problem, const std::vector<Side>& sides, std::size_t number) {
     const PatchLevel& level = problem.tree.levels[number];
-    std::vector<int> label = problem.wrap ? carried(level.label, problem.wrap->wrap_triangle()) : level.label;
+    std::vector<int> label = labels_on_surface(problem, level);
     std::vector<Colour> colour;
     for (const int k : label) colour.push_back(patch_colour(k));
     std::vector<std::string> names;
@@ -120,6 +120,10 @@ Panel patches_panel(const Problem& problem, const std::vector<Side>& sides, std:
 }
 
 }  // namespace
+
+std::vector<int> labels_on_surface(const Problem& problem, const PatchLevel& level) {
+    return problem.wrap ? carried(level.label, problem.wrap->wrap_triangle()) : level.label;
+}
 
 void add_axes_arrows(Panel& panel, const AxesFacts& axes, double diagonal) {
     const Drawing& drawing = panel.drawing;

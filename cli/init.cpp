@@ -12,10 +12,8 @@
 #include "core/formats/io.hpp"
 #include "core/formats/vtp.hpp"
 #include "core/mesh/geometry.hpp"
-#include "core/patches/carried.hpp"
 #include "core/text/file.hpp"
 #include "core/text/shell_word.hpp"
-#include "core/wrap/wrap_map.hpp"
 #include "report/drawing.hpp"
 
 #include <fcntl.h>
@@ -112,10 +110,6 @@ Eigen::Vector3d up_of(const Problem& problem, const ProposedCase& proposal) {
     const int other = 3 - side - up;
     if (size[other] < size[up]) up = other;
     return Eigen::Vector3d::Unit(up);
-}
-
-std::vector<int> labels_on_surface(const Problem& problem, const PatchLevel& level) {
-    return problem.wrap ? carried(level.label, problem.wrap->wrap_triangle()) : level.label;
 }
 
 std::string picture(const Problem& problem, const ProposedCase& proposal, const std::optional<AxesFacts>& axes) {

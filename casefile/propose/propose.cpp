@@ -225,7 +225,7 @@ std::string parameters_text(const RepairedSurface& surface, const std::optional<
     out += padded(text("  sharp_angle: ", angles.sharp_deg, "deg"),
                   "edges with larger angles are creases; few are near it");
     if (hold == ProposedHold::none) {
-        out += padded("  fields: auto", "smooth motions of the whole body");
+        out += number_of_fields(triangles, "smooth motions of the whole body");
         out += padded("  variables: []", "loads on patches would need hold: point");
     } else {
         out += number_of_fields(triangles, "smooth motions of the whole body, then patches");

@@ -42,6 +42,8 @@ constexpr EarlierWay earlier_ways[] = {
      "model searches in the ranges of what each variable may do alone"},
     {"--leaves-equations", &OptimizeOptions::leaves_equations, "nothing leads model back to equations"},
     {"--leaves-limits", &OptimizeOptions::leaves_limits, "nothing leads model back to limits that are known exactly"},
+    {"--whole-batches", &OptimizeOptions::begins_with_whole_batches,
+     "model asks whole batches on the first level of fields, too"},
     {"--ignores-symmetry", &OptimizeOptions::ignores_symmetry, "model searches symmetric designs among all others"},
     {"--pays-without-shape", &OptimizeOptions::pays_without_shape, "model evaluates designs that have no valid shape"},
     {"--steps-pay-without-shape", &OptimizeOptions::steps_pay_without_shape, "the same of the steps of sqp"}};

@@ -47,8 +47,8 @@ std::vector<Key> method_keys() {
          .type = Type::integer,
          .doc = "Number of designs that method model proposes together, so that as many can be evaluated at the same "
                 "time (`parallel` of a program). Coarse levels of a search by differences that begin with method model "
-                "ask half "
-                "as many. Results depend on it, never on `parallel`. Not for fit.",
+                "ask half as many, and so does the first level of a long run that begins with displacement fields, but "
+                "at least 4. Results depend on it, never on `parallel`. Not for fit.",
          .fallback = "8",
          .limits = at_least_one},
         {.path = "optimize.symmetry",

@@ -24,7 +24,7 @@ struct RunLimits {
 };
 
 /// Of runs that begin now; the first is 1.
-constexpr int latest_meaning = 24;
+constexpr int latest_meaning = 25;
 inline int meaning_of(const std::string& written) {
     for (int meaning = 1; meaning < latest_meaning; ++meaning)
         if (written == std::to_string(meaning)) return meaning;
@@ -71,7 +71,8 @@ struct JournalFacts {
     /// (`steps_pay_without_shape`), and searches by models lead back to limits that are known exactly
     /// (`leaves_limits`); 23: a border of what is held that is kept smooth limits every design
     /// (`Parameters::lets_border_turn`); 24: bodies as wide as long have the axis of fields in their plane of symmetry
-    /// (`FieldOptions::axis_by_extent_alone`).
+    /// (`FieldOptions::axis_by_extent_alone`); 25: the first level of long runs by models that begin with fields asks
+    /// half batches (`OptimizeOptions::begins_with_whole_batches`).
     int meaning = latest_meaning;
     std::vector<std::string> values, parameters;  ///< names of the values and of the parameters
     std::map<std::string, std::string> files;     ///< hash of each file that the case names

@@ -219,6 +219,8 @@ struct OptimizeOptions {
     /// `MinimizeOptions::begins_with_few`, fields alone have two evaluations for each variable there, not one and a
     /// half, and fields are searched on all levels.
     bool begins_slowly = false;
+    /// The meaning of earlier runs: the first level of these asks whole batches (`batch_of_first_fields`).
+    bool begins_with_whole_batches = false;
     double step_tolerance = 1e-6;        ///< or below this change of the scaled variables
     double constraint_tolerance = 1e-6;  ///< of the scaled constraint, for "feasible"
     bool finite_differences = false;  ///< gradients of values without sensitivities by differences in the scaled basis

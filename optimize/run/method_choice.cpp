@@ -67,6 +67,12 @@ bool is_long_with_fields(const Problem& problem, int budget) {
            variables <= max_variables_by_models && budget >= min_gradients * (variables + 1);
 }
 
+int batch_of_first_fields(const OptimizeOptions& options) {
+    constexpr int enough = 4;  // answers at a time to learn from: two were worse
+    if (options.begins_with_whole_batches) return options.batch;
+    return std::max(options.batch / 2, std::min(enough, options.batch));
+}
+
 MinimizeOptions options_of_searches(const OptimizeOptions& options) {
     MinimizeOptions how;
     how.batch = options.batch;
@@ -116,7 +122,10 @@ MethodChoice choose_method(const Problem& problem, int budget) {
     if (affordable < min_gradients || is_long) {
         choice.method = Method::model;
         choice.words = text("method: auto chooses model, in batches of ", problem.optimize.batch, ": ",
-                            is_long ? text("displacement fields are the first level, and ") : "", why);
+                            is_long ? text("displacement fields are the first level, and ") : "", why,
+                            is_long && batch_of_first_fields(problem.optimize) < problem.optimize.batch
+                                ? text("; the first level asks ", batch_of_first_fields(problem.optimize), " at a time")
+                                : "");
     } else {
         choice.words = text("method: auto chooses sqp by differences: ", why);
     }

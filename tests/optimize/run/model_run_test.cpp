@@ -183,16 +183,33 @@ TEST(ModelRun, FieldsInFrontAreSearchedByModelsInLongRunsToo) {
         << chosen(enough).words;
 }
 
+TEST(ModelRun, FirstFieldsAreAskedInHalfBatchesOfAtLeastFour) {
+    const auto of = [](int batch, bool as_before = false) {
+        OptimizeOptions options;
+        options.batch = batch;
+        options.begins_with_whole_batches = as_before;
+        return batch_of_first_fields(options);
+    };
+    for (const auto& [batch, first] : {std::pair(1, 1), {3, 3}, {4, 4}, {6, 4}, {8, 4}, {9, 4}, {32, 16}})
+        EXPECT_EQ(of(batch), first) << batch;
+    EXPECT_EQ(of(8, true), 8) << "a run of before";
+    EXPECT_NE(choose_method(with_fields(automatic(60)), 60).words.find("; the first level asks 4 at a time"),
+              std::string::npos);
+    EXPECT_EQ(choose_method(with_fields(automatic(20)), 20).words.find("at a time"), std::string::npos)
+        << "a short run";
+}
+
 /// Who has the evaluations begins with the smoothest motions, one at a time; who has few with all of them mixed.
 TEST(ModelRun, ALongRunTriesOneFieldAfterAnother) {
-    const auto moved_at_first = [](int budget, bool as_before) {  // variables, by each design of the first batch
+    const auto moved_at_first = [](int budget, bool as_before, bool in_whole_batches = false) {  // variables
         Problem problem = with_fields(values_only(budget));
         problem.optimize.long_runs_by_differences = as_before;
+        problem.optimize.begins_with_whole_batches = in_whole_batches;
         Eigen::MatrixXd fields(problem.surface.vertices.size(), 6);
         for (int j = 0; j < 6; ++j) fields.col(j) = problem.parameters.fields->field(j).reshaped();
         std::vector<long> moved;
         problem.quantities[0].evaluate = [&, inner = problem.quantities[0].evaluate](const QuantityRequest& request) {
-            if (moved.size() == 5) return inner(request);  // the start, and half of the first batch
+            if (moved.size() == 5) return inner(request);  // the start, and half of a whole first batch
             const VectorXd way = (request.surface.vertices - problem.surface.vertices).reshaped();
             const VectorXd x = fields.householderQr().solve(way);
             EXPECT_LT((fields * x - way).norm(), 1e-9) << "fields alone move it";
@@ -204,7 +221,10 @@ TEST(ModelRun, ALongRunTriesOneFieldAfterAnother) {
         return moved;
     };
     const int enough = static_cast<int>(min_gradients) * (6 + 1);
-    EXPECT_EQ(moved_at_first(enough, false), (std::vector<long>{1, 1, 1, 1}));
+    EXPECT_EQ(moved_at_first(enough, false, true), (std::vector<long>{1, 1, 1, 1}));
+    const std::vector<long> now = moved_at_first(enough, false);
+    EXPECT_EQ(std::vector<long>(now.begin(), now.begin() + 2), (std::vector<long>{1, 1}));
+    EXPECT_GT(now[2], 1) << "models choose after two answers";
     for (const std::vector<long>& mixed : {moved_at_first(enough - 1, false), moved_at_first(enough, true)})
         EXPECT_EQ(mixed, (std::vector<long>{6, 6, 6, 6}));
 }
@@ -226,9 +246,10 @@ TEST(ModelRun, ALongRunLeavesFieldsAloneSooner) {
 
 TEST(ModelRun, ALongRunBeginsWithHalfABatch) {
     const int enough = static_cast<int>(min_gradients) * (6 + 1);
-    const auto moved_alone = [](int budget, bool as_before) {  // designs after the start that move one field
+    const auto moved_alone = [](int budget, bool is_whole, bool as_before) {  // designs that move one field
         Problem problem = with_fields(values_only(budget));
         problem.optimize.batch = 6;
+        problem.optimize.begins_with_whole_batches = is_whole;
         problem.optimize.begins_slowly = as_before;
         Eigen::MatrixXd fields(problem.surface.vertices.size(), 6);
         for (int j = 0; j < 6; ++j) fields.col(j) = problem.parameters.fields->field(j).reshaped();
@@ -242,8 +263,9 @@ TEST(ModelRun, ALongRunBeginsWithHalfABatch) {
         optimize(problem);
         return alone;
     };
-    EXPECT_EQ(moved_alone(enough, false), 3);
-    EXPECT_EQ(moved_alone(enough, true), 6);
+    EXPECT_EQ(moved_alone(enough, false, false), 2) << "of the four that its first level asks at a time";
+    EXPECT_EQ(moved_alone(enough, true, false), 3);
+    EXPECT_EQ(moved_alone(enough, true, true), 6);
 }
 
 /// The finest level of the tree has no finer fields: where not all can be learned its patches alone are searched, from

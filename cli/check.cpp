@@ -1,4 +1,5 @@
 #include "casefile/load_case.hpp"
+#include "casefile/model/case_source.hpp"
 #include "casefile/read/resolved_case.hpp"
 #include "casefile/schema/scalars.hpp"
 #include "cli/build_case.hpp"
@@ -239,11 +240,41 @@ void print_planform(const Problem& problem) {
         }
 }
 
-void print_given(const Problem& problem, bool is_search) {
+/// What the case has because it says nothing of its variables.
+std::string chosen_by_default(const Case& the_case) {
+    const Value* parameters = the_case.source->root.find("parameters");
+    const auto by_default = [&](const char* key) -> const Value* {
+        const Value* value = parameters ? parameters->find(key) : nullptr;
+        return value && value->from_default ? value : nullptr;
+    };
+    const Value* fields = by_default("fields");
+    if (!fields || fields->text == "none") return "";
+    const Value *split = by_default("split"), *kinds = by_default("variables");
+    std::string words = "fields: " + fields->text;
+    if (split && split->text != "all") words += ", split: " + split->text;
+    if (kinds && kinds->entries.size() == 1 && kinds->entries[0].value.text == "normal")
+        words += ", variables: [normal]";
+    return words;
+}
+
+void print_given(const Problem& problem, const Case& the_case, bool is_search) {
     std::vector<std::string> user_variables, fields;
     for (const UserVariable& variable : problem.parameters.user_variables)
         if (variable.planform < 0) (variable.field >= 0 ? fields : user_variables).push_back(variable.name);
-    if (is_search && !fields.empty()) fmt::print("level 0     {} displacement fields\n", fields.size());
+    if (is_search && !fields.empty()) {
+        const std::vector<int>& steps = problem.parameters.field_steps;
+        const bool has_more = !steps.empty() && steps.front() < static_cast<int>(fields.size());
+        fmt::print("level 0     {} displacement fields{}\n", has_more ? steps.front() : static_cast<int>(fields.size()),
+                   !has_more ? ""
+                   : problem.parameters.split == SplitRule::sensitivity
+                       ? text(", then those of ", fields.size(), " that the gradient asks for")
+                       : text(", up to ", fields.size(), " on later ones"));
+        if (const std::string words = chosen_by_default(the_case); problem.has_shell && !words.empty())
+            fmt::print(
+                "by default  {}: the case says nothing of its variables (parameters: {{fields: none}} has patches "
+                "alone)\n",
+                words);
+    }
     if (is_search && !user_variables.empty()) fmt::print("given       {}\n", joined(user_variables));
 }
 
@@ -279,9 +310,9 @@ void print_words(const CheckArguments& args, const Case& the_case, const BuiltPr
         fmt::print("attached    {}: {} triangles, {}\n", part.name, part.triangles.size(), name_of(part.how));
     if (axes) print_axes(*axes);
     const bool is_search = !problem.objective.empty() || !problem.fit.empty();
+    print_given(problem, the_case, is_search);
     for (std::size_t k = 1; is_search && problem.has_shell && k < problem.tree.levels.size(); ++k)
         print_level(problem, k, pin);
-    print_given(problem, is_search);
     print_planform(problem);
     for (const ProgramParameter& parameter : problem.program_parameters)
         fmt::print("variable    {}: {} in [{}, {}]\n", parameter.name, shown_value(parameter.start, parameter.is_angle),

@@ -59,7 +59,8 @@ void run_strake(const EvidenceProblem& evidence, Solver solver, Method method, i
     Problem problem = has_fields ? with_automatic_fields(evidence).problem : evidence.problem;
     if (solver == Solver::as_it_comes) problem.parameters.kinds = {VariableKind::normal_load};
     if (solver == Solver::finest) problem.tree = finest_only(problem.tree);
-    const bool chooses = solver == Solver::adaptive || solver == Solver::fields;
+    const bool chooses =  // of fields as a case has it that states none
+        solver == Solver::adaptive || (solver == Solver::fields && problem.constraints.empty());
     if (chooses) problem.parameters.split = SplitRule::sensitivity;
     problem.optimize.method = method;
     problem.optimize.max_evaluations = budget;

@@ -5,7 +5,7 @@
 namespace strake::evidence {
 
 enum class Solver {
-    fields,       ///< `parameters.fields: auto`: displacement fields first, patches split by sensitivity
+    fields,  ///< `parameters.fields: auto`: displacement fields first, and without constraints `split: sensitivity`
     as_it_comes,  ///< a case that states no variables, of a program that gives values only: fields, then normal loads
     adaptive,     ///< coarse to fine, patches split by sensitivity
     uniform,      ///< coarse to fine, level by level of the tree

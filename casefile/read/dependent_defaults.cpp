@@ -180,8 +180,9 @@ bool states_limits_alone(Value& root) {
     return parameters->form == Value::Form::map && std::ranges::all_of(parameters->entries, is_limit);
 }
 
-/// A search by gradients begins with displacement fields where the case says nothing of variables nor of patches, and
-/// leaves to the gradient what becomes finer.
+/// A search by gradients begins with displacement fields where the case says nothing of variables nor of patches. Where
+/// nothing is constrained it leaves to the gradient what becomes finer: under constraints a gradient promises what no
+/// allowed step has, and a run ends higher where each level first does what it can.
 void set_defaults_by_gradients(Value& root) {
     if (root.form != Value::Form::map || child(root, "fit") || !child(root, "objective") || child(root, "sample"))
         return;
@@ -192,7 +193,8 @@ void set_defaults_by_gradients(Value& root) {
         const std::string word = method ? algorithm_word(method->text) : "auto";
         if ((word != "auto" && word != "sqp") || child(*optimize, "start_from")) return;
     }
-    if (set_automatic_fields(root)) add_default(*parameters_of(root), "split", "sensitivity");
+    if (set_automatic_fields(root) && !child(root, "constraints"))
+        add_default(*parameters_of(root), "split", "sensitivity");
 }
 
 const Value* fields_of(Value& root) {
@@ -201,14 +203,17 @@ const Value* fields_of(Value& root) {
     return fields && fields->form == Value::Form::scalar ? fields : nullptr;
 }
 
-/// Unless the case says anything of its variables, it has the fields of a run, and of its patches the kind that a case
-/// has by default; releases and budgets differ in it. Other kinds were stated.
+/// Unless the case says anything of its variables, it has the fields of a run, and of its patches the rule of splits
+/// and the kind that a case has by default; releases and budgets differ in them. Other kinds were stated.
 /// @param there the case of the run @return whether it has them by this
 bool set_variables_of(Value& root, Value& there) {
     const Value* fields = fields_of(there);
     if (!fields || !set_automatic_fields(root, fields->text)) return false;
     const Value* kinds = child(*child(there, "parameters"), "variables");
     Value& parameters = *parameters_of(root);
+    const Value* split = child(*child(there, "parameters"), "split");
+    if (split && split->form == Value::Form::scalar && !child(parameters, "split"))
+        add_default(parameters, "split", split->text);
     const bool are_normal = kinds && kinds->form == Value::Form::list && kinds->entries.size() == 1 &&
                             is_scalar(&kinds->entries[0].value, "normal");
     if (are_normal && !child(parameters, "directions")) add_default(parameters, "variables", "[normal]");

@@ -26,8 +26,9 @@ std::vector<Key> field_keys() {
              "and swell, which a shell resists. auto is also what a fit has that states no fields, variables, given or "
              "planform, and a run of at most 1000 evaluations by values alone (gradients: false) that states none "
              "of these, nor a method other than model, finite_differences, low_fidelity or start_from. A run by "
-             "gradients (method: auto or sqp) has it, with split: sensitivity, where its parameters state nothing but "
-             "max_displacement, mirror and keep. With start_from such a case has the fields of that folder's case.",
+             "gradients (method: auto or sqp; not hold: none) has it where its parameters state nothing but "
+             "max_displacement, mirror and keep, without constraints with split: sensitivity. With start_from such a "
+             "case has the fields of that folder's case.",
          .fallback = "none",
          .limits = {1, 600},
          .words = {"none", "auto"}},

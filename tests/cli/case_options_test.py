@@ -75,6 +75,20 @@ class Settings(unittest.TestCase):
         table = strake("sweep", "case.yaml", *commands["sweep"][1:], "--set", "parameters.variables=[load]", status=2).stderr
         self.assertIn("p1.load", table)  # the names that there are
 
+    def test_check_tells_what_is_chosen_by_default(self):
+        def told(*settings):
+            return strake("check", "case.yaml", "--set", "parameters={max_displacement: 2%}", *settings).stdout
+        free = told()
+        self.assertIn("level 0     27 displacement fields, then those of 192 that the gradient asks for\n", free)
+        self.assertIn("by default  fields: auto, split: sensitivity: the case says nothing of its variables", free)
+        limited = told("--set", "constraints={area: {max: 1.01, relative: true}}")
+        self.assertIn("level 0     27 displacement fields, up to 192 on later ones\n", limited)
+        self.assertIn("by default  fields: auto: the case", limited)
+        by_values = told("--set", "quantities={flow: {command: [cat], outputs: [drag], gradients: false}}", "--set", "objective={minimize: flow.drag}")
+        self.assertIn("by default  fields: auto, variables: [normal]: the case", by_values)
+        self.assertNotIn("by default", told("--set", "parameters.fields=auto"))
+        self.assertNotIn("by default", strake("check", "case.yaml").stdout)
+
     def test_errors_in_json(self):
         told = json.loads(strake("check", "case.yaml", "--json", "--set", "fixed=[rot]", status=2).stdout)
         self.assertEqual(told["errors"][0]["setting"], "--set fixed=[rot]")

@@ -55,6 +55,18 @@ TEST_F(Step, DrivenToTheEndTheHistoryIsThatOfRun) {
     EXPECT_EQ(Json::parse(again.out)["status"], Json::parse(bytes_of(folder / "whole/run.json"))["status"]);
 }
 
+/// What the case leaves to the run stays that of its first step.
+TEST_F(Step, ARunThatSaysNothingOfItsVariablesGoesOn) {
+    std::string text = "surface: {file: s.obj}\nhold: point\n" + by_program +
+                       "parameters: {max_displacement: 5%}\noptimize: {budget: {evaluations: 4}}\n";
+    text.replace(text.find('@'), 1, "");
+    const std::string file = folder.write("case.yaml", text).string();
+    int status = -1;
+    EXPECT_GE(drive(file, status).size(), 3u);
+    EXPECT_EQ(status, 0) << "its first step resolved more than it says";
+    EXPECT_NE(bytes_of(folder / "stepped/case.yaml").find("fields: auto"), std::string::npos);
+}
+
 TEST_F(Step, TheLineThatSaysHowItGoesOnCanBeCopied) {
     const std::string file = external_case();
     const ProgramRun run = run_strake({"step", file, "--out", path("by hand")});

@@ -57,10 +57,23 @@ TEST_F(FieldsOfACase, AreTheDefaultByGradientsWhereNothingIsSaidOfPatches) {
         EXPECT_EQ(p.fields, nullptr) << words;
         EXPECT_EQ(p.split, SplitRule::tree) << words;
     }
+    const Parameters limited =
+        build(std::string(body) + "constraints: {volume: {min: 1, relative: true}}\n").problem.parameters;
+    EXPECT_NE(limited.fields, nullptr);
+    EXPECT_EQ(limited.split, SplitRule::tree) << "under constraints";
     // A run of before goes on as it began.
     const auto yaml = folder.write("case.yaml", std::string("surface: {file: s.obj, units: m}\n") + body);
     EXPECT_TRUE(load_case(yaml, Purpose::run).parameters.fields.is_wanted);
     EXPECT_FALSE(load_case(yaml, Purpose::run, yaml.parent_path()).parameters.fields.is_wanted);
+    const auto begun = [&](const std::string& parameters) {
+        return load_case(yaml, Purpose::run, {}, "parameters: {" + parameters + "}\n").parameters;
+    };
+    for (const bool by_sensitivity : {true, false}) {
+        const ParameterEntry p =
+            begun(by_sensitivity ? "fields: auto, split: sensitivity" : "fields: auto, split: all");
+        EXPECT_TRUE(p.fields.is_wanted);
+        EXPECT_EQ(p.split.kind, by_sensitivity ? SplitEntry::Kind::sensitivity : SplitEntry::Kind::all);
+    }
 }
 
 /// A fit that states no variables begins with fields; one that does keeps to them.

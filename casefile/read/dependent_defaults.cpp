@@ -193,8 +193,9 @@ void set_defaults_by_gradients(Value& root) {
         const std::string word = method ? algorithm_word(method->text) : "auto";
         if ((word != "auto" && word != "sqp") || child(*optimize, "start_from")) return;
     }
-    if (set_automatic_fields(root) && !child(root, "constraints"))
-        add_default(*parameters_of(root), "split", "sensitivity");
+    const Value* constraints = child(root, "constraints");
+    const bool is_free = !constraints || constraints->entries.empty();
+    if (set_automatic_fields(root) && is_free) add_default(*parameters_of(root), "split", "sensitivity");
 }
 
 const Value* fields_of(Value& root) {

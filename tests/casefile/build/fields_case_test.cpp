@@ -41,8 +41,8 @@ TEST_F(FieldsOfACase, AreVariablesThatLeaveWhatIsHeld) {
 /// becomes finer.
 TEST_F(FieldsOfACase, AreTheDefaultByGradientsWhereNothingIsSaidOfPatches) {
     surface(box_surface({4, 1, 0.5}, 8));
-    for (const char* words :
-         {"", "parameters: {max_displacement: 3%}\n", "optimize: {method: sqp}\n", "optimize: {method: auto}\n"}) {
+    for (const char* words : {"", "constraints: {}\n", "parameters: {max_displacement: 3%}\n",
+                              "optimize: {method: sqp}\n", "optimize: {method: auto}\n"}) {
         const Parameters p = build(std::string(body) + words).problem.parameters;
         ASSERT_NE(p.fields, nullptr) << words;
         EXPECT_EQ(p.field_steps.front(), 27) << words;
@@ -202,6 +202,8 @@ TEST_F(FieldsOfACase, AreThoseOfTheStart) {
     EXPECT_EQ(begun("parameters: {fields: auto, variables: [load]}\n").variables.at(0), VariableKind::load);
     EXPECT_EQ(begun("parameters: {fields: auto, variables: [normal]}\n").variables.at(0), VariableKind::normal_load);
     EXPECT_EQ(begun("parameters: {fields: none, variables: [normal]}\n").variables.at(0), VariableKind::load);
+    EXPECT_EQ(begun("parameters: {fields: auto, split: sensitivity}\n").split.kind, SplitEntry::Kind::sensitivity);
+    EXPECT_EQ(begun("parameters: {fields: auto}\n").split.kind, SplitEntry::Kind::all);
     EXPECT_FALSE(begun("parameters: {fields: auto}\n", "parameters: {fields: none}\n").fields.is_wanted);
     EXPECT_FALSE(begun("parameters: {fields: auto}\n", "parameters: {variables: [normal]}\n").fields.is_wanted);
     for (const char* none : {"parameters: {fields: none}\n", "parameters: {}\n", "- 1\n", "a: [\n", ""})

@@ -257,25 +257,31 @@ std::string chosen_by_default(const Case& the_case) {
     return words;
 }
 
-void print_given(const Problem& problem, const Case& the_case, bool is_search) {
-    std::vector<std::string> user_variables, fields;
+void print_fields(const Problem& problem, const Case& the_case, int number) {
+    const std::vector<int>& steps = problem.parameters.field_steps;
+    const int first = steps.empty() ? number : std::min(steps.front(), number);
+    const bool by_gradient = problem.parameters.split == SplitRule::sensitivity;
+    fmt::print("level 0     {} displacement fields{}\n", first,
+               first == number ? ""
+               : by_gradient   ? text(", then those of ", number, " that the gradient asks for")
+                               : text(", up to ", number, " on later ones"));
+    if (const std::string words = chosen_by_default(the_case); problem.has_shell && !words.empty())
+        fmt::print(
+            "by default  {}: the case says nothing of its variables (parameters: {{fields: none}} has patches "
+            "alone)\n",
+            words);
+}
+
+void print_given(const Problem& problem, const Case& the_case) {
+    std::vector<std::string> user_variables;
+    int fields = 0;
     for (const UserVariable& variable : problem.parameters.user_variables)
-        if (variable.planform < 0) (variable.field >= 0 ? fields : user_variables).push_back(variable.name);
-    if (is_search && !fields.empty()) {
-        const std::vector<int>& steps = problem.parameters.field_steps;
-        const bool has_more = !steps.empty() && steps.front() < static_cast<int>(fields.size());
-        fmt::print("level 0     {} displacement fields{}\n", has_more ? steps.front() : static_cast<int>(fields.size()),
-                   !has_more ? ""
-                   : problem.parameters.split == SplitRule::sensitivity
-                       ? text(", then those of ", fields.size(), " that the gradient asks for")
-                       : text(", up to ", fields.size(), " on later ones"));
-        if (const std::string words = chosen_by_default(the_case); problem.has_shell && !words.empty())
-            fmt::print(
-                "by default  {}: the case says nothing of its variables (parameters: {{fields: none}} has patches "
-                "alone)\n",
-                words);
-    }
-    if (is_search && !user_variables.empty()) fmt::print("given       {}\n", joined(user_variables));
+        if (variable.field >= 0)
+            ++fields;
+        else if (variable.planform < 0)
+            user_variables.push_back(variable.name);
+    if (fields > 0) print_fields(problem, the_case, fields);
+    if (!user_variables.empty()) fmt::print("given       {}\n", joined(user_variables));
 }
 
 void print_level(const Problem& problem, std::size_t number, const std::vector<int>& pin) {
@@ -310,7 +316,7 @@ void print_words(const CheckArguments& args, const Case& the_case, const BuiltPr
         fmt::print("attached    {}: {} triangles, {}\n", part.name, part.triangles.size(), name_of(part.how));
     if (axes) print_axes(*axes);
     const bool is_search = !problem.objective.empty() || !problem.fit.empty();
-    print_given(problem, the_case, is_search);
+    if (is_search) print_given(problem, the_case);
     for (std::size_t k = 1; is_search && problem.has_shell && k < problem.tree.levels.size(); ++k)
         print_level(problem, k, pin);
     print_planform(problem);

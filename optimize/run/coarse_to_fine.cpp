@@ -347,7 +347,7 @@ private:
         if (first && options.method == Method::model && how.first_alone.empty()) {
             how.tries_in_order = is_long_with_fields(state_.problem, state_.limits().evaluations);
             how.begins_with_few = budget_.begins_quickly();
-            if (budget_.begins_quickly()) how.batch = batch_of_first_fields(options);
+            if (how.begins_with_few) how.batch = batch_of_first_fields(options);
         }
         how.starts = first ? options.starts : 1;
         how.seed = options.seed;

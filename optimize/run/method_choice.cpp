@@ -122,10 +122,10 @@ MethodChoice choose_method(const Problem& problem, int budget) {
     if (affordable < min_gradients || is_long) {
         choice.method = Method::model;
         choice.words = text("method: auto chooses model, in batches of ", problem.optimize.batch, ": ",
-                            is_long ? text("displacement fields are the first level, and ") : "", why,
-                            is_long && batch_of_first_fields(problem.optimize) < problem.optimize.batch
-                                ? text("; the first level asks ", batch_of_first_fields(problem.optimize), " at a time")
-                                : "");
+                            is_long ? text("displacement fields are the first level, and ") : "", why);
+        const int first = batch_of_first_fields(problem.optimize);
+        if (is_long && problem.program_parameters.empty() && first < problem.optimize.batch)
+            choice.words += text("; the first level asks ", first, " at a time");
     } else {
         choice.words = text("method: auto chooses sqp by differences: ", why);
     }

@@ -42,8 +42,8 @@ inline constexpr int max_variables_by_models = 100;
 /// (`MinimizeOptions::tries_in_order`).
 bool is_long_with_fields(const Problem& problem, int budget);
 
-/// Designs that the first level of such a run asks at a time, half of `OptimizeOptions::batch` but not below four: it
-/// knows the start alone, and every answer tells much.
+/// Designs that the first level of such a run asks at a time, unless programs have variables: half of
+/// `OptimizeOptions::batch` but not below four: it knows the start alone, and every answer tells much.
 int batch_of_first_fields(const OptimizeOptions& options);
 
 /// What the options of a run say to each of its searches: tolerances, batch, and the meanings of earlier runs.

@@ -44,6 +44,8 @@ constexpr EarlierWay earlier_ways[] = {
     {"--leaves-limits", &OptimizeOptions::leaves_limits, "nothing leads model back to limits that are known exactly"},
     {"--whole-batches", &OptimizeOptions::begins_with_whole_batches,
      "model asks whole batches on the first level of fields, too"},
+    {"--parts-alone", &OptimizeOptions::sees_parts_alone, "refinement looks at parts of patches alone, never deeper"},
+    {"--whole-energies", &OptimizeOptions::counts_whole_energy, "elastic energies count wholly beside fields"},
     {"--ignores-symmetry", &OptimizeOptions::ignores_symmetry, "model searches symmetric designs among all others"},
     {"--pays-without-shape", &OptimizeOptions::pays_without_shape, "model evaluates designs that have no valid shape"},
     {"--steps-pay-without-shape", &OptimizeOptions::steps_pay_without_shape, "the same of the steps of sqp"}};

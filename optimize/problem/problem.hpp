@@ -221,6 +221,11 @@ struct OptimizeOptions {
     bool begins_slowly = false;
     /// The meaning of earlier runs: the first level of these asks whole batches (`batch_of_first_fields`).
     bool begins_with_whole_batches = false;
+    /// The meaning of earlier runs: elastic energies count wholly beside fields, by gradients too (`energy_share`).
+    bool counts_whole_energy = false;
+    /// The meaning of earlier runs: by sensitivity refinement ends where parts of patches promise too little, whatever
+    /// their parts would (optimize/run/refinement_choice.hpp).
+    bool sees_parts_alone = false;
     double step_tolerance = 1e-6;        ///< or below this change of the scaled variables
     double constraint_tolerance = 1e-6;  ///< of the scaled constraint, for "feasible"
     bool finite_differences = false;  ///< gradients of values without sensitivities by differences in the scaled basis

@@ -8,6 +8,7 @@
 #include "optimize/run/level_order.hpp"
 #include "optimize/run/level_program.hpp"
 #include "optimize/run/method_choice.hpp"
+#include "optimize/run/refinement_choice.hpp"
 #include "optimize/run/run_verdict.hpp"
 #include "optimize/run/value_trial.hpp"
 #include "optimize/space/motion_limit.hpp"
@@ -21,7 +22,6 @@ namespace strake {
 namespace {
 
 constexpr int failures_before_refining = 4;  ///< the last level the minimizer's own limits hold
-constexpr double variables_at_price = 10;    ///< new ones that must gain `min_expected_gain` of what was gained
 /// Of the first fields' expected decrease: where the gradient of the start promises more by others, the first step
 /// takes those, too.
 constexpr double outgrown_at_start = 1000;
@@ -42,12 +42,11 @@ constexpr double beyond_limit = 1.2;  ///< of it that wider ranges are to reach:
 constexpr double min_widening = 1.2, max_widening = 4;  ///< times: the first order is only good for so much
 constexpr int max_widenings = 6;                        ///< of a level
 constexpr double max_range_ratio = 16;  ///< times the longest step, where ranges begin wide: more was not faster
-constexpr double max_correction = 100;  ///< for expected decreases that turned out too small
 
 class Optimization {
 public:
     Optimization(const Problem& problem, const RunEvents& events, Journal* journal)
-        : state_(problem, events, LevelProgram::differentiated_names(problem), journal),
+        : state_(problem, events, LevelProgram::differentiated_names(problem), journal, energy_share(problem)),
           program_(state_),
           budget_(state_, program_),
           order_(state_, budget_) {
@@ -253,36 +252,19 @@ private:
         }
         const ShellSensitivities lagrangian = program_.lagrangian();
         const DesignFacts facts{state_.space, x, lagrangian, curvature_, program_.known().dJ_dv};
-        const std::optional<Forecast> forecast = make_forecast(facts);
-        refining_is_idle_ = !forecast;  // finer patches that are all held, or do the same
-        if (refining_is_idle_) {
+        const RefinementScale scale(state_, program_, model_correction(), hessian_.size() > 0, is_in_noise_);
+        const std::optional<RefinementChoice> choice = scale.choose(facts);
+        refining_is_idle_ = !choice;  // finer patches that are all held, or do the same
+        if (!choice) {
             state_.note("refinement: no patch has finer parts");
             return false;
         }
-        const std::optional<double> probed = probe(x, *forecast);
-        const double times = probed.value_or(model_correction());
-        probed_ = probed.value_or(1);
-        // Measured by what has been gained: an objective may go to zero.
-        const double now = state_.level_best_objective;
-        const double gained = std::abs(state_.result.objective_start - now);
-        const double min_gain = state_.problem.optimize.min_expected_gain * gained;
-        const bool has_price = rule == SplitRule::sensitivity && hessian_.size() > 0 && !is_in_noise_;
-        const RefinementPlan plan =
-            plan_refinement(facts, *forecast, has_price ? min_gain / variables_at_price / times : 0);
-        state_.note(text("refinement: ", plan.words(),
-                         times == 1 ? ""
-                         : probed   ? text("; by the values ", times, " times that")
-                                    : text("; the last one gave ", times, " times what was expected")));
-        // Where the values bend down all along the step, how much it gives cannot be said: that is tried.
-        const bool is_open = probed && *probed >= max_correction;
-        const double floor =
-            std::max(0.1 * state_.problem.optimize.objective_tolerance *
-                         (state_.problem.optimize.is_relative_to_objective ? std::max(std::abs(now), gained) : gained),
-                     is_open ? 0 : min_gain * price(plan));
-        refining_is_idle_ = rule == SplitRule::sensitivity && hessian_.size() > 0 && times * plan.chosen <= floor;
+        state_.note(text("refinement: ", choice->words()));
+        probed_ = choice->probed.value_or(1);
+        refining_is_idle_ = choice->is_idle;
         if (refining_is_idle_) return false;
-        expected_of_level_ = plan.chosen + still_expected_;
-        next = plan.next;
+        expected_of_level_ = choice->plan.chosen + still_expected_;
+        next = choice->plan.next;
         return true;
     }
 
@@ -307,23 +289,7 @@ private:
         has_stayed_ = found.stays;
     }
 
-    /// Many variables must gain more than few: each takes its share of the search. Not where this level can do
-    /// no more for noise: larger steps, which only finer patches still have, are above it.
-    double price(const RefinementPlan& plan) const {
-        if (is_in_noise_) return 1;
-        return std::max(1.0, (plan.variables_after - plan.variables_before) / variables_at_price);
-    }
-
-    /// The metric is stiffer on details than objectives are: expected decreases are too small. How much too small
-    /// follows from the curvature along the expected step: the best on that line against what the metric expects.
-    std::optional<double> probe(const Eigen::VectorXd& x, const Forecast& forecast) {
-        const auto curvature = state_.evaluator.curvature_along(x, forecast.below.children.space, forecast.step,
-                                                                program_.lagrangian_weights());
-        if (!curvature) return {};
-        return *curvature > 0 ? std::clamp(2 * forecast.decrease / *curvature, 1.0, max_correction) : max_correction;
-    }
-
-    /// Where that cannot be known: what the last refinement gained against what it was expected to.
+    /// What the last refinement gained against what it was expected to.
     double model_correction() const {
         const double gained = std::abs(state_.result.levels.back().objective_start - state_.level_best_objective);
         return expected_of_level_ > 0 && std::isfinite(gained)

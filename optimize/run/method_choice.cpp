@@ -1,6 +1,7 @@
 #include "optimize/run/method_choice.hpp"
 
 #include "core/error.hpp"
+#include "optimize/nlp/program/methods.hpp"
 
 #include <algorithm>
 
@@ -99,6 +100,12 @@ bool begins_with_wide_ranges(const Problem& problem) {
     const bool are_narrow =
         problem.has_shell ? options.begins_with_narrow_shell_ranges : options.begins_with_narrow_ranges;
     return options.method == Method::sqp && !are_narrow;
+}
+
+double energy_share(const Problem& problem) {
+    const OptimizeOptions& options = problem.optimize;
+    const bool has_gradients = method_facts(options.method).needs_gradients && without_gradient(problem).empty();
+    return problem.parameters.fields && has_gradients && !options.counts_whole_energy ? energy_beside_fields : 1;
 }
 
 MethodChoice choose_method(const Problem& problem, int budget) {

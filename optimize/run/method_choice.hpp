@@ -20,6 +20,12 @@ struct MethodChoice {
 /// @pre problem.optimize.chooses_method
 MethodChoice choose_method(const Problem& problem, int budget);
 
+/// Of elastic energies, what the metric of a run counts (`RestFacts::energy_share`). Fields bend and twist a body as
+/// loads do, and what only loads can do has little of their energy: beside fields all of it would make patches look a
+/// hundred times too dear. By values alone it counts: what is soft is learned first.
+double energy_share(const Problem& problem);
+inline constexpr double energy_beside_fields = 0.003;
+
 /// Maximum number of variables of the first level: a run drops those that turn out to move nothing.
 int max_variables_at_start(const Problem& problem);
 

@@ -22,8 +22,9 @@ struct Rank {
 class RunState {
 public:
     /// @param journal that the run is written to and replayed against; may be null.
+    /// @param energy_share see `RestFacts`
     RunState(const Problem& problem, const RunEvents& events, const std::vector<std::string>& differentiated,
-             Journal* journal = nullptr);
+             Journal* journal = nullptr, double energy_share = 1);
     ~RunState() { rest->cache->stop_wanted = {}; }  // the result keeps the rest, and the run is over
     RunState(const RunState&) = delete;
     RunState& operator=(const RunState&) = delete;

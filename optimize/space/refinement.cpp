@@ -17,24 +17,37 @@ constexpr double at_bound_share = 1e-6;  ///< of the range
 /// Of the whole expected decrease, that fields are taken for: one more costs next to nothing, a patch an equilibrium.
 constexpr double marked_fields = 0.99;
 
-/// Patches that have to be split together because variables tie their children.
-std::vector<int> split_groups(const DesignSpace& parent, const DesignSpace& child) {
-    std::vector<int> root(parent.patches().patches.size());
+/// Parts of patches: the front that they are parts of, and of which of its patches each is one.
+struct Parts {
+    const DesignSpace& child;
+    const Front& above;
+    std::vector<int> owner;  ///< by the child's patches
+
+    Parts(const DesignSpace& parts, const Front& front) : child(parts), above(front) {
+        for (const Patch& patch : child.patches().patches)
+            owner.push_back(above.patches.label[patch.triangles.front()]);
+    }
+};
+
+/// Patches that have to be split together because variables tie their children, or themselves.
+/// @param parent whose front the patches are; null: no space has them
+std::vector<int> split_groups(const DesignSpace* parent, const Parts& parts) {
+    std::vector<int> root(parts.above.depth.size());
     std::iota(root.begin(), root.end(), 0);
     const auto find = [&](int p) {
         while (root[p] != p) p = root[p];
         return p;
     };
-    for (const auto* space : {&parent, &child})
+    for (const DesignSpace* space : {parent, &parts.child}) {
+        if (!space) continue;
         for (const Variable& variable : space->variables)
             for (const DegreeOfFreedom& move : variable.moves) {
                 if (variable.patch < 0) continue;
-                const auto owner = [&](int patch) {
-                    return space == &parent ? patch : child.patches().patches[patch].parent;
-                };
+                const auto owner = [&](int patch) { return space == parent ? patch : parts.owner[patch]; };
                 const int a = find(owner(variable.patch)), b = find(owner(move.index / patch_dof::count));
                 root[std::max(a, b)] = std::min(a, b);
             }
+    }
     for (std::size_t p = 0; p < root.size(); ++p) root[p] = find(static_cast<int>(p));
     return root;
 }
@@ -64,26 +77,29 @@ void offer_fields(const DesignSpace& parent, const DesignSpace& child, std::vect
     }
 }
 
-/// Splits that are possible, in the order of their first patch; fields come last.
+/// Splits of the patches of the last front that is passed, in the order of their first patch; fields come last.
 std::vector<SplitDecrease> possible_splits(const DesignSpace& parent, const DesignSpace& child,
-                                           const std::vector<int>& parts) {
-    const std::vector<int> group = split_groups(parent, child);
-    const auto old_ones = by_group(parent, group, [](const Variable& v) { return v.patch; });
-    const auto new_ones =
-        by_group(child, group, [&](const Variable& v) { return child.patches().patches[v.patch].parent; });
+                                           const std::vector<Front>& passed) {
+    const Parts parts(child, passed.back());
+    const std::vector<int> number = parts_of(*parent.rest->tree, parts.above);
+    const bool is_next = passed.size() == 1;
+    const std::vector<int> group = split_groups(is_next ? &parent : nullptr, parts);
+    const auto new_ones = by_group(child, group, [&](const Variable& v) { return parts.owner[v.patch]; });
+    std::vector<std::vector<int>> old_ones(group.size());
+    if (is_next) old_ones = by_group(parent, group, [](const Variable& v) { return v.patch; });
     std::vector<SplitDecrease> splits;
     for (std::size_t g = 0; g < group.size(); ++g) {
         SplitDecrease split;
         bool has_parts = false;
-        for (const Patch& patch : parent.patches().patches)
+        for (const Patch& patch : parts.above.patches.patches)
             if (group[patch.id] == static_cast<int>(g)) {
                 split.patches.push_back(patch.id);
                 split.names += (split.names.empty() ? "" : "+") + patch.name;
-                has_parts |= parts[patch.id] > 1;
+                has_parts |= number[patch.id] > 1;
             }
         split.variables = new_ones[g];
         split.new_variables = static_cast<int>(new_ones[g].size()) - static_cast<int>(old_ones[g].size());
-        has_parts |= !parent.has_patches;
+        has_parts |= is_next && !parent.has_patches;
         if (has_parts && split.new_variables > 0) splits.push_back(std::move(split));
     }
     offer_fields(parent, child, splits);
@@ -147,13 +163,29 @@ std::vector<SplitDecrease> of_patches_only(const std::vector<SplitDecrease>& spl
     return left;
 }
 
-/// The space's patches with the chosen ones split, and its fields with these.
-LevelSet refined(const DesignSpace& space, const std::vector<char>& chosen, const std::vector<int>& fields) {
-    LevelSet next{split_front(*space.rest->tree, *space.front, chosen), space.fields, space.has_patches};
+/// The space's patches with the chosen ones of the last front split, and those of the fronts before it of which these
+/// are parts; and its fields with these.
+LevelSet refined(const DesignSpace& space, const std::vector<Front>& passed, std::vector<char> chosen,
+                 const std::vector<int>& fields) {
+    LevelSet next{*space.front, space.fields, space.has_patches};
+    next.has_patches |= std::ranges::count(chosen, 1) > 0;
+    std::vector<std::vector<char>> is_split{std::move(chosen)};  // from the last front to the first
+    for (std::size_t k = passed.size() - 1; k > 0; --k) {
+        std::vector<char> above(passed[k - 1].depth.size(), 0);
+        for (const Patch& patch : passed[k].patches.patches)
+            if (is_split.back()[patch.id]) above[patch.parent] = 1;
+        is_split.push_back(std::move(above));
+    }
+    for (std::size_t k = 0; k < passed.size(); ++k, is_split.pop_back()) {
+        std::vector<char> here;  // a patch that was left whole has no part that is split
+        for (const Patch& patch : next.front.patches.patches)
+            here.push_back(is_split.back()[passed[k].patches.label[patch.triangles.front()]]);
+        next.front = split_front(*space.rest->tree, next.front, here);
+    }
+    for (Patch& patch : next.front.patches.patches) patch.parent = space.patches().label[patch.triangles.front()];
     next.fields.reach = offered_fields(space.rest->parameters, space.fields).reach;
     next.fields.numbers.insert(next.fields.numbers.end(), fields.begin(), fields.end());
     std::ranges::sort(next.fields.numbers);
-    next.has_patches |= std::find(chosen.begin(), chosen.end(), 1) != chosen.end();
     return next;
 }
 
@@ -166,6 +198,7 @@ public:
         : facts_(facts),
           max_variables_(max_variables),
           min_per_variable_(min_per_variable),
+          passed_(below.passed),
           splits_(below.splits),
           known_(reachable(facts, below)),
           open_(open_gradient(facts, below, known_)) {
@@ -186,7 +219,7 @@ public:
     /// What the next level is made of.
     LevelSet operator()(RefinementPlan& plan) {
         if (splits_.empty()) return with_more_fields(plan);
-        std::vector<char> chosen(facts_.space.front->depth.size(), 0);
+        std::vector<char> chosen(passed_.back().depth.size(), 0);
         std::vector<int> fields;
         std::vector<std::size_t> order;
         const Parameters& parameters = facts_.space.rest->parameters;
@@ -217,7 +250,7 @@ public:
         splits_ = std::move(sorted);
         plan.expected += all_;
         plan.chosen += held;
-        return refined(facts_.space, chosen, fields);
+        return refined(facts_.space, passed_, std::move(chosen), fields);
     }
 
     double all() const { return all_; }
@@ -230,7 +263,7 @@ private:
     /// No patch has finer parts: the next step of fields.
     LevelSet with_more_fields(RefinementPlan& plan) const {
         const DesignSpace& space = facts_.space;
-        LevelSet next = refined(space, std::vector<char>(space.front->depth.size(), 0), {});
+        LevelSet next = refined(space, {*space.front}, std::vector<char>(space.front->depth.size(), 0), {});
         next.fields = more_fields(space.rest->parameters, space.fields);
         const auto more = next.fields.numbers.size() - space.fields.numbers.size();
         plan.fields_at_once = static_cast<int>(more);
@@ -274,6 +307,7 @@ private:
 
     const DesignFacts& facts_;
     double max_variables_, min_per_variable_, all_ = 0;
+    const std::vector<Front>& passed_;
     std::vector<SplitDecrease> splits_;
     MatrixXd known_;                 ///< orthonormal: what is reached without splits
     VectorXd open_;                  ///< what no chosen split can do yet
@@ -299,21 +333,27 @@ bool has_finer(const DesignSpace& space) {
 }
 
 LevelSet refined_everywhere(const DesignSpace& space) {
-    LevelSet next = refined(space, std::vector<char>(space.front->depth.size(), 1), {});
+    LevelSet next = refined(space, {*space.front}, std::vector<char>(space.front->depth.size(), 1), {});
     next.fields = more_fields(space.rest->parameters, space.fields);
     return next;
 }
 
-std::optional<Prospect> prospect(const DesignSpace& space, const VectorXd& x) {
+std::optional<Prospect> prospect(const DesignSpace& space, const VectorXd& x, int depth) {
     const PatchHierarchy& tree = *space.rest->tree;
-    std::vector<int> parts = parts_of(tree, *space.front);
     if (!has_finer(space)) return {};
     Prospect below;
-    LevelSet all = refined_everywhere(space);
-    all.fields = offered_fields(space.rest->parameters, space.fields);
+    below.passed = {*space.front};
+    for (int k = 1; k < depth; ++k) {
+        const std::vector<int> parts = parts_of(tree, below.passed.back());
+        if (space.rest->parameters.kinds.empty() || std::ranges::max(parts) == 1) return {};
+        below.passed.push_back(split_front(tree, below.passed.back(), std::vector<char>(parts.size(), 1)));
+    }
+    if (depth > 1 && std::ranges::max(parts_of(tree, below.passed.back())) == 1) return {};
+    LevelSet all = refined(space, below.passed, std::vector<char>(below.passed.back().depth.size(), 1), {});
+    if (depth == 1) all.fields = offered_fields(space.rest->parameters, space.fields);
     below.children = refine(space, x, all);
-    below.splits = possible_splits(space, below.children.space, parts);
-    below.parts = std::move(parts);
+    below.splits = possible_splits(space, below.children.space, below.passed);
+    below.parts = parts_of(tree, *space.front);
     below.metric.compute(below.children.space.metric);
     below.inherited = below.metric.matrixU() * below.children.prolongation;
     below.known = span_of(below.inherited);
@@ -324,8 +364,8 @@ double expected_decrease_of(const DesignFacts& facts, const Prospect& below) {
     return open_gradient(facts, below, reachable(facts, below)).squaredNorm() / (2 * facts.curvature);
 }
 
-std::optional<Forecast> make_forecast(const DesignFacts& facts) {
-    std::optional<Prospect> below = prospect(facts.space, facts.x);
+std::optional<Forecast> make_forecast(const DesignFacts& facts, int depth) {
+    std::optional<Prospect> below = prospect(facts.space, facts.x, depth);
     if (!below || below->splits.empty()) return {};
     const VectorXd open = open_gradient(facts, *below, reachable(facts, *below));
     Forecast forecast;
@@ -344,6 +384,8 @@ RefinementPlan plan_refinement(const DesignFacts& facts, const Forecast& forecas
     plan.next = choice(plan);
     plan.splits = choice.splits();
     InheritedSpace present{facts.space, facts.x, {}};
+    plan.depth = static_cast<int>(forecast.below.passed.size());
+    if (plan.depth > 1) plan.variables_after = refine(facts.space, facts.x, plan.next).space.size();
     while (parameters.split == SplitRule::sensitivity && plan.variables_after < max_variables) {
         present = refine(present.space, present.x, plan.next);
         const DesignFacts next{present.space, present.x, facts.lagrangian, facts.curvature, facts.dJ_dv};
@@ -378,9 +420,11 @@ std::string RefinementPlan::words() const {
         if (count < 4) names += text(names.empty() ? "" : ", ", split.names, " ", percent(split.decrease / expected));
         if (count == 4) names += ", ...";
     }
-    std::string what = all_of_fields > 0 ? text("takes ", of_fields, " of ", all_of_fields, " fields") : "";
-    if (all_of_patches > 0 || what.empty())
-        what += text(what.empty() ? "" : " and ", "splits ", of_patches, " of ", all_of_patches);
+    std::string what =
+        depth > 1 ? text("parts of patches promise too little, their own parts more (depth ", depth, "): ") : "";
+    if (all_of_fields > 0) what += text("takes ", of_fields, " of ", all_of_fields, " fields");
+    if (all_of_patches > 0 || all_of_fields == 0)
+        what += text(all_of_fields == 0 ? "" : " and ", "splits ", of_patches, " of ", all_of_patches);
     return text(what, " (", names, "), which hold ", expected > 0 ? std::round(1000 * chosen / expected) / 10 : 100.0,
                 " % of the expected decrease of ", expected, "; ", variables_before, " -> ", variables_after,
                 " variables");

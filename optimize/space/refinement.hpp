@@ -24,6 +24,7 @@ struct RefinementPlan {
     std::vector<SplitDecrease> splits;  ///< the chosen first, in their order
     int variables_before = 0, variables_after = 0;
     double expected = 0, chosen = 0;  ///< by all splits together, and by the chosen ones
+    int depth = 1;                    ///< of the prospect: patches between are split on the way to the chosen ones
     int rounds = 1;                   ///< levels of the tree that were passed at once
     int fields_at_once = 0;           ///< by gradient, where no patch has finer parts: the next step of fields
     std::string words() const;        ///< the decision with its numbers, one line
@@ -47,6 +48,8 @@ LevelSet refined_everywhere(const DesignSpace& space);
 /// variables, metric and prolongation.
 struct Prospect {
     InheritedSpace children;
+    /// The space's own front, and those that are passed over: the patches of the last one are split.
+    std::vector<Front> passed;
     std::vector<int> parts;             ///< per patch of the space
     std::vector<SplitDecrease> splits;  ///< those that are possible, without expected decreases
     Eigen::LLT<Eigen::MatrixXd> metric;
@@ -54,7 +57,9 @@ struct Prospect {
     Eigen::MatrixXd known;      ///< orthonormal columns: what the space itself can do, whitened by the metric
 };
 /// None where no patch has parts, and all fields are there. Cost: the responses at rest that are not known yet.
-std::optional<Prospect> prospect(const DesignSpace& space, const Eigen::VectorXd& x);
+/// @param depth levels of the tree, >= 1: from 2 on parts of parts (of parts), as if there were none between; none
+/// where they have no parts
+std::optional<Prospect> prospect(const DesignSpace& space, const Eigen::VectorXd& x, int depth = 1);
 
 /// The expected decrease by all details together: with g the gradient and M the metric of all children and P the
 /// prolongation, (g.M^-1.g - P^T g.(P^T M P)^-1.P^T g) / (2 curvature), what they add to what the space itself could
@@ -67,8 +72,8 @@ struct Forecast {
     Eigen::VectorXd step;  ///< of the variables of all children
     double decrease = 0;   ///< that the metric expects of it
 };
-/// None where no patch has parts.
-std::optional<Forecast> make_forecast(const DesignFacts& facts);
+/// None where no patch has parts. @param depth see `prospect`
+std::optional<Forecast> make_forecast(const DesignFacts& facts, int depth = 1);
 
 /// Chooses the patches and fields with the largest expected decrease, one after the other: the split that adds most to
 /// what the space and the splits before it can do (different patches often can do the same), until they hold

@@ -244,7 +244,7 @@ double soft_work(const DesignSpace& space, const Responses& responses) {
         if (const double work = traction.col(j).dot(responses.work_integrals.col(j)); work > 0) works.push_back(work);
     if (works.empty()) return 0;
     std::nth_element(works.begin(), works.begin() + static_cast<std::ptrdiff_t>(works.size() / 4), works.end());
-    return works[works.size() / 4];
+    return works[works.size() / 4] / space.rest->energy_share;
 }
 
 Eigen::MatrixXd response_metric(const DesignSpace& space, const Responses& responses) {

@@ -46,7 +46,8 @@ Eigen::MatrixXd normal_motion(const DesignSpace& space);
 /// shape
 Eigen::MatrixXd roughness(const DesignSpace& space);
 
-/// Work of a load variable, at x = 1, that is soft for this space: the lower quartile; 0 without loads.
+/// Work of a load variable, at x = 1, that is soft for this space: the lower quartile, over
+/// `RestFacts::energy_share`; 0 without loads.
 double soft_work(const DesignSpace& space, const Responses& responses);
 
 /// The same metric at the equilibrium of `shell`, times d: near buckling it finds soft directions long. Two

@@ -140,6 +140,82 @@ TEST(Refinement, WhatLeavesAtTheirBoundsCannotDoIsNotExpected) {
     EXPECT_NEAR(expected_of_chosen(plan), forecast->decrease, 1e-6 * forecast->decrease);
 }
 
+/// Quadrants feel nothing of forces that are opposite on their octants.
+TEST(Refinement, PartsOfPartsAreSeenWherePartsFeelNothing) {
+    Problem problem = problem_that_may_split_all();
+    problem.parameters.max_variable_ratio = 2;
+    const DesignSpace halves = design_space(rest_facts(problem), 1);
+    ASSERT_EQ(halves.size(), 2);
+    const DesignSpace octants = design_space(halves.rest, 3);
+    const Eigen::VectorXd x = Eigen::VectorXd::Zero(halves.size());
+    // The force under which octants 0 and 1, of one quadrant, have opposite slopes and all others none.
+    Eigen::MatrixXd slopes(octants.size(), octants.size());
+    std::vector<Points> each;
+    for (int j = 0; j < octants.size(); ++j) {
+        Points force = Points::Zero(problem.surface.num_vertices(), 3);
+        for (const int t : octants.patches().patches[j].triangles)
+            for (int k = 0; k < 3; ++k)
+                force.row(problem.surface.triangles(t, k)) += octants.rest->area[t] * octants.rest->normal.row(t);
+        slopes.col(j) = design_gradient(octants, Eigen::VectorXd::Zero(octants.size()), falls_along(force));
+        each.push_back(force);
+    }
+    int first = 0, second = -1;
+    for (int j = 1; j < octants.size() && second < 0; ++j)
+        if (octants.patches().patches[j].parent == octants.patches().patches[first].parent) second = j;
+    ASSERT_GT(second, 0);
+    Eigen::VectorXd wanted = Eigen::VectorXd::Zero(octants.size());
+    wanted[first] = 1, wanted[second] = -1;
+    const Eigen::VectorXd amounts = slopes.partialPivLu().solve(wanted);
+    Points force = Points::Zero(problem.surface.num_vertices(), 3);
+    for (int j = 0; j < octants.size(); ++j) force += amounts[j] * each[j];
+    const ShellSensitivities lagrangian = falls_along(force);
+    const DesignFacts facts{halves, x, lagrangian, 1, force};
+
+    const auto parts = make_forecast(facts), deeper = make_forecast(facts, 2);
+    ASSERT_TRUE(parts && deeper);
+    EXPECT_FALSE(make_forecast(facts, 3)) << "octants have no parts";
+    EXPECT_LT(parts->decrease, 1e-5 * deeper->decrease) << "what slopes are exact to, squared";
+    const RefinementPlan plan = plan_refinement(facts, *deeper, 1e-3 * deeper->decrease);
+    EXPECT_EQ(plan.depth, 2);
+    EXPECT_EQ(count_chosen(plan), 1);
+    EXPECT_GT(plan.chosen, 0.1 * deeper->decrease);
+    // The other half is whole, so is the other quadrant of this one.
+    const InheritedSpace next = refine(halves, x, plan.next);
+    EXPECT_EQ(next.space.size(), 4);
+    EXPECT_EQ(plan.variables_after, 4);
+    for (const Patch& patch : next.space.patches().patches)
+        EXPECT_EQ(patch.parent, halves.patches().label[patch.triangles.back()]);
+    EXPECT_NE(plan.words().find("parts of patches promise too little"), std::string::npos) << plan.words();
+}
+
+/// Octants move by turns, and quadrants can do nothing of it.
+TEST(Refinement, ARunGoesOnToPartsOfParts) {
+    Problem problem = ellipsoid_problem(3, 3);
+    problem.parameters.kinds = {VariableKind::normal_load};
+    problem.parameters.split = SplitRule::sensitivity;
+    const auto rest = rest_facts(problem);
+    ShapeEvaluator evaluator(problem, rest, {});
+    const DesignSpace fine = design_space(rest, 3);
+    evaluator.enter(fine);
+    Eigen::VectorXd x = Eigen::VectorXd::Constant(fine.size(), 0.3);
+    std::vector<int> seen(fine.patches().patches.size(), 0);
+    for (int j = 0; j < fine.size(); ++j)
+        x[j] += seen[fine.patches().patches[fine.variables[j].patch].parent]++ == 0 ? 0.2 : -0.2;
+    const ShapeEvaluation wanted = evaluator.evaluate(x, 1);
+    problem.quantities.push_back(
+        target_shape_same("match", problem.surface, with_vertices(problem.surface, wanted.vertices)));
+    problem.objective = "match";
+    problem.optimize.max_evaluations = 40;
+    problem.optimize.min_expected_gain = 0.01;
+    const auto left = [&](bool as_before) {
+        problem.optimize.sees_parts_alone = as_before;
+        const RunResult result = optimize(problem);
+        return result.objective / result.objective_start;
+    };
+    const double now = left(false), before = left(true);
+    EXPECT_LT(now, 0.7 * before) << "the motion limit stops both " << now << " " << before;
+}
+
 TEST(Refinement, WhatIsNotMadeGivesNoModelCorrection) {
     Problem problem = ellipsoid_problem(3, 2);
     problem.parameters.kinds = {VariableKind::strain};

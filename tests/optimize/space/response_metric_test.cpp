@@ -3,6 +3,7 @@
 #include "core/fields/displacement_fields.hpp"
 #include "core/mesh/cotangents.hpp"
 #include "core/mesh/geometry.hpp"
+#include "optimize/space/rest_shell.hpp"
 #include "problems.hpp"
 
 #include <gtest/gtest.h>
@@ -49,7 +50,7 @@ TEST(ResponseMetric, AGroupWithOtherMembersHasItsOwnResponse) {
 namespace {
 
 /// Fields beside loads, of a body in this unit.
-DesignSpace fields_beside_loads(double unit) {
+DesignSpace fields_beside_loads(double unit, double energy_share = 1) {
     Problem problem = ellipsoid_problem(3, 2, unit);
     FieldConditions conditions;
     conditions.held = problem.fixed;
@@ -57,10 +58,29 @@ DesignSpace fields_beside_loads(double unit) {
                std::make_shared<const DisplacementFields>(problem.surface, conditions, FieldOptions{27, {}}));
     problem.parameters.field_steps = {27};
     problem.parameters.kinds = {VariableKind::normal_load};
-    return design_space(rest_facts(problem), 1);
+    return design_space(rest_facts(problem, energy_share), 1);
 }
 
 }  // namespace
+
+/// What is left out is of loads alone: their energies. At rest the present metric agrees.
+TEST(ResponseMetric, OfElasticEnergiesAShareCounts) {
+    constexpr double share = 0.01;
+    const DesignSpace whole = fields_beside_loads(1), part = fields_beside_loads(1, share);
+    const int fields = 27, loads = whole.size() - fields;
+    ASSERT_EQ(whole.variables[fields].kind, VariableKind::normal_load);
+    const Eigen::MatrixXd& all = whole.metric;
+    const Eigen::MatrixXd left_out = all - part.metric;
+    EXPECT_LT(left_out.leftCols(fields).cwiseAbs().maxCoeff(), 1e-9 * all.diagonal().maxCoeff());
+    // Energies are measured by the soft one of them, whose own is 1.
+    const Eigen::VectorXd energies = left_out.bottomRightCorner(loads, loads).diagonal() / (1 - share);
+    EXPECT_NEAR(energies.minCoeff(), 1, 1e-6);
+    const std::unique_ptr<PrimoShell> shell = shell_at_rest(part);
+    const Eigen::VectorXd d = Eigen::VectorXd::Unit(part.size(), fields) + Eigen::VectorXd::Unit(part.size(), 3);
+    const Eigen::VectorXd wanted = part.metric * d;
+    EXPECT_LT((present_product(part, shell.get(), d) - wanted).norm(), 1e-5 * wanted.norm());
+    EXPECT_GT((whole.metric * d - wanted).norm(), 0.1 * wanted.norm()) << "the share is seen";
+}
 
 /// That of a field is the mean square of the Laplacian of what it moves; those of loads stand beside it, and finer
 /// fields are rougher.

@@ -1,6 +1,7 @@
 #include "optimize/run/refinement_choice.hpp"
 
 #include "core/error.hpp"
+#include "optimize/run/method_choice.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -13,18 +14,39 @@ constexpr double variables_at_price = 10;  ///< new ones that must gain `min_exp
 }  // namespace
 
 std::string RefinementChoice::words() const {
-    return text(plan.words(), times == 1 ? ""
-                              : probed   ? text("; by the values ", times, " times that")
-                                         : text("; the last one gave ", times, " times what was expected"));
+    return text(plan.words(),
+                times == 1 ? ""
+                : probed   ? text("; by the values ", times, " times that")
+                           : text("; the last one gave ", times, " times what was expected"),
+                looked > 1 ? text("; too little, and so are parts of parts (to depth ", looked, ")") : "");
+}
+
+/// As long as a level could have all of them: the look costs a response at rest for each.
+int RefinementScale::max_depth(const DesignSpace& space) const {
+    const PatchHierarchy& tree = *space.rest->tree;
+    const Parameters& p = space.rest->parameters;
+    const double max_variables = p.max_variable_ratio * std::max(1, space.size());
+    const auto finer = [&](const Front& front) {
+        return split_front(tree, front, std::vector<char>(front.depth.size(), 1));
+    };
+    int depth = 1;
+    Front parts = finer(*space.front);
+    for (Front next = finer(parts); next.depth.size() > parts.depth.size(); next = finer(parts), ++depth) {
+        if (static_cast<double>(next.depth.size()) * variables_of_a_patch(p) > max_variables) break;
+        parts = std::move(next);
+    }
+    return depth;
 }
 
 std::optional<RefinementChoice> RefinementScale::choose(const DesignFacts& facts) const {
     std::optional<RefinementChoice> choice = weigh(facts, 1);
     const bool may_look = choice && choice->is_idle && !state_.problem.optimize.sees_parts_alone;
-    for (int depth = 2; may_look; ++depth) {
+    const int deepest = may_look ? max_depth(facts.space) : 1;
+    for (int depth = 2; depth <= deepest; ++depth) {
         std::optional<RefinementChoice> deeper = weigh(facts, depth);
         if (!deeper) break;
         if (!deeper->is_idle) return deeper;
+        choice->looked = depth;
     }
     return choice;
 }

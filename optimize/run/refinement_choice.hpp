@@ -15,6 +15,7 @@ struct RefinementChoice {
     std::optional<double> probed;  ///< how much softer the details are than the metric says; none: not known
     double times = 1;              ///< of the plan's expected decreases, what is expected
     bool is_idle = false;          ///< too little for what the plan costs
+    int looked = 1;                ///< to this depth, in vain
     std::string words() const;     ///< one line
 };
 
@@ -31,13 +32,14 @@ public:
           knows_curvature_(knows_curvature),
           is_in_noise_(is_in_noise) {}
 
-    /// By the parts of patches and fields; where these promise too little by parts of parts, and so on to the finest.
-    /// None: there is nothing finer.
+    /// By the parts of patches and fields; where these promise too little by parts of parts, and so on to the finest
+    /// that a level could have all of (`Parameters::max_variable_ratio`). None: there is nothing finer.
     std::optional<RefinementChoice> choose(const DesignFacts& facts) const;
 
 private:
     std::optional<RefinementChoice> weigh(const DesignFacts& facts, int depth) const;
     std::optional<double> probe(const DesignFacts& facts, const Forecast& forecast) const;
+    int max_depth(const DesignSpace& space) const;
     double price(const RefinementPlan& plan) const;
     bool by_sensitivity() const { return state_.rest->parameters.split == SplitRule::sensitivity && knows_curvature_; }
 

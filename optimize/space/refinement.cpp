@@ -5,6 +5,7 @@
 #include "optimize/space/shape_map.hpp"
 
 #include <Eigen/QR>
+#include <map>
 #include <numeric>
 
 namespace strake {
@@ -39,7 +40,7 @@ std::vector<int> split_groups(const DesignSpace* parent, const Parts& parts) {
         return p;
     };
     for (const DesignSpace* space : {parent, &parts.child}) {
-        if (!space) continue;
+        if (!space) continue;  // so that below `parent` is one
         for (const Variable& variable : space->variables)
             for (const DegreeOfFreedom& move : variable.moves) {
                 if (variable.patch < 0) continue;
@@ -77,6 +78,15 @@ void offer_fields(const DesignSpace& parent, const DesignSpace& child, std::vect
     }
 }
 
+/// How many variables a split adds to a patch that no space has: it would have as many as the first of its parts.
+int added_by_parts(const Parts& parts, const std::vector<int>& variables) {
+    std::map<int, int> first;  // part, by owner
+    return static_cast<int>(std::ranges::count_if(variables, [&](int j) {
+        const int part = parts.child.variables[j].patch;
+        return first.try_emplace(parts.owner[part], part).first->second != part;
+    }));
+}
+
 /// Splits of the patches of the last front that is passed, in the order of their first patch; fields come last.
 std::vector<SplitDecrease> possible_splits(const DesignSpace& parent, const DesignSpace& child,
                                            const std::vector<Front>& passed) {
@@ -85,7 +95,7 @@ std::vector<SplitDecrease> possible_splits(const DesignSpace& parent, const Desi
     const bool is_next = passed.size() == 1;
     const std::vector<int> group = split_groups(is_next ? &parent : nullptr, parts);
     const auto new_ones = by_group(child, group, [&](const Variable& v) { return parts.owner[v.patch]; });
-    std::vector<std::vector<int>> old_ones(group.size());
+    std::vector<std::vector<int>> old_ones;
     if (is_next) old_ones = by_group(parent, group, [](const Variable& v) { return v.patch; });
     std::vector<SplitDecrease> splits;
     for (std::size_t g = 0; g < group.size(); ++g) {
@@ -98,7 +108,8 @@ std::vector<SplitDecrease> possible_splits(const DesignSpace& parent, const Desi
                 has_parts |= number[patch.id] > 1;
             }
         split.variables = new_ones[g];
-        split.new_variables = static_cast<int>(new_ones[g].size()) - static_cast<int>(old_ones[g].size());
+        split.new_variables = is_next ? static_cast<int>(new_ones[g].size()) - static_cast<int>(old_ones[g].size())
+                                      : added_by_parts(parts, new_ones[g]);
         has_parts |= is_next && !parent.has_patches;
         if (has_parts && split.new_variables > 0) splits.push_back(std::move(split));
     }
@@ -194,10 +205,12 @@ std::string percent(double share) { return text(std::isfinite(share) ? std::roun
 /// One round of splits within the growth that is allowed, the largest gain first; adds to the plan.
 class Choice {
 public:
-    Choice(const DesignFacts& facts, const Prospect& below, double max_variables, double min_per_variable)
+    Choice(const DesignFacts& facts, const Prospect& below, double max_variables, double min_per_variable,
+           int max_splits = std::numeric_limits<int>::max())
         : facts_(facts),
           max_variables_(max_variables),
           min_per_variable_(min_per_variable),
+          max_splits_(max_splits),
           passed_(below.passed),
           splits_(below.splits),
           known_(reachable(facts, below)),
@@ -227,7 +240,7 @@ public:
         const double all_fields =
             parameters.offers_fields_by_steps ? all_patches : std::max(all_patches, marked_fields * all_);
         double held = 0;
-        while (held < all_fields || held == 0) {
+        while ((held < all_fields || held == 0) && static_cast<int>(order.size()) < max_splits_) {
             const bool is_first = plan.chosen == 0 && held == 0;
             const std::optional<std::size_t> best =
                 is_first ? next(1e300, 0, false)
@@ -307,6 +320,7 @@ private:
 
     const DesignFacts& facts_;
     double max_variables_, min_per_variable_, all_ = 0;
+    int max_splits_;
     const std::vector<Front>& passed_;
     std::vector<SplitDecrease> splits_;
     MatrixXd known_;                 ///< orthonormal: what is reached without splits
@@ -375,17 +389,35 @@ std::optional<Forecast> make_forecast(const DesignFacts& facts, int depth) {
     return forecast;
 }
 
+namespace {
+
+/// By the splits of the prospect alone. Parts of parts bring those beside them, too: how many is known once they are
+/// there, and where they are too many fewer are split.
+RefinementPlan first_round(const DesignFacts& facts, const Prospect& below, double max_variables,
+                           double min_per_variable) {
+    for (int max_splits = std::numeric_limits<int>::max();;) {
+        RefinementPlan plan;
+        plan.variables_before = plan.variables_after = facts.space.size();
+        plan.depth = static_cast<int>(below.passed.size());
+        Choice choice(facts, below, max_variables, min_per_variable, max_splits);
+        plan.next = choice(plan);
+        plan.splits = choice.splits();
+        if (plan.depth == 1) return plan;
+        plan.variables_after = refine(facts.space, facts.x, plan.next).space.size();
+        const auto chosen = std::ranges::count_if(plan.splits, [](const auto& split) { return split.chosen; });
+        if (chosen <= 1 || plan.variables_after <= max_variables) return plan;
+        const double share = (max_variables - plan.variables_before) / (plan.variables_after - plan.variables_before);
+        max_splits = std::clamp(static_cast<int>(share * static_cast<double>(chosen)), 1, static_cast<int>(chosen) - 1);
+    }
+}
+
+}  // namespace
+
 RefinementPlan plan_refinement(const DesignFacts& facts, const Forecast& forecast, double min_per_variable) {
     const Parameters& parameters = facts.space.rest->parameters;
-    RefinementPlan plan;
-    plan.variables_before = plan.variables_after = facts.space.size();
-    const double max_variables = parameters.max_variable_ratio * std::max(1, plan.variables_before);
-    Choice choice(facts, forecast.below, max_variables, min_per_variable);
-    plan.next = choice(plan);
-    plan.splits = choice.splits();
+    const double max_variables = parameters.max_variable_ratio * std::max(1, facts.space.size());
+    RefinementPlan plan = first_round(facts, forecast.below, max_variables, min_per_variable);
     InheritedSpace present{facts.space, facts.x, {}};
-    plan.depth = static_cast<int>(forecast.below.passed.size());
-    if (plan.depth > 1) plan.variables_after = refine(facts.space, facts.x, plan.next).space.size();
     while (parameters.split == SplitRule::sensitivity && plan.variables_after < max_variables) {
         present = refine(present.space, present.x, plan.next);
         const DesignFacts next{present.space, present.x, facts.lagrangian, facts.curvature, facts.dJ_dv};

@@ -3,13 +3,13 @@
 
 #include <Eigen/Cholesky>
 
-/// Which patches to split (whether to at all: optimize/run/coarse_to_fine.cpp, `choose_next`): the gradient that the
+/// Which patches to split (whether to at all: optimize/run/refinement_choice.hpp): the gradient that the
 /// children of every patch would have is known from one adjoint solve before they exist (docs/theory-optimize.md).
 namespace strake {
 
 /// The expected decrease by splitting a patch (or patches that are tied), or by a field more.
 struct SplitDecrease {
-    std::vector<int> patches;  ///< ids in the front
+    std::vector<int> patches;  ///< ids in the front, the last that is passed
     int field = -1;            ///< number in `Parameters::fields`; -1: patches are split
     std::string names;
     std::vector<int> variables;  ///< of the children

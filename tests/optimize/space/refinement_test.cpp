@@ -188,6 +188,46 @@ TEST(Refinement, PartsOfPartsAreSeenWherePartsFeelNothing) {
     EXPECT_NE(plan.words().find("parts of patches promise too little"), std::string::npos) << plan.words();
 }
 
+/// Of each quadrant one octant is held: the other one does what the quadrant does.
+TEST(Refinement, PartsOfPartsThatAreTheSameAreNotOffered) {
+    Problem problem = problem_that_may_split_all();
+    const auto are_offered = [&] {
+        const DesignSpace halves = design_space(rest_facts(problem), 1);
+        const Points force = Points::Ones(problem.surface.num_vertices(), 3);
+        const ShellSensitivities lagrangian = falls_along(force);
+        return make_forecast({halves, Eigen::VectorXd::Zero(halves.size()), lagrangian, 1, force}, 2).has_value();
+    };
+    EXPECT_TRUE(are_offered());
+    const Points centre = triangle_centroids(problem.surface);
+    problem.fixed.clear();
+    for (int t = 0; t < problem.surface.num_triangles(); ++t)
+        if (centre(t, 2) <= 1e-9) problem.fixed.push_back(t);
+    EXPECT_FALSE(are_offered());
+}
+
+/// Two quadrants of one half have four octants, with the other half one more than a level may have.
+TEST(Refinement, PartsOfPartsCountWithThoseBesideThem) {
+    Problem problem = problem_that_may_split_all();
+    for (const double ratio : {2.2, 2.6, 100.0}) {
+        problem.parameters.max_variable_ratio = ratio;
+        const DesignSpace halves = design_space(rest_facts(problem), 1);
+        const int n = problem.surface.num_vertices();
+        const Eigen::VectorXd numbers = random_vector(3 * n, 7);
+        const Points force = Eigen::Map<const Points>(numbers.data(), n, 3);
+        const ShellSensitivities lagrangian = falls_along(force);
+        const DesignFacts facts{halves, Eigen::VectorXd::Zero(halves.size()), lagrangian, 1, force};
+        const auto forecast = make_forecast(facts, 2);
+        ASSERT_TRUE(forecast);
+        const RefinementPlan plan = plan_refinement(facts, *forecast);
+        EXPECT_GE(count_chosen(plan), 1);
+        EXPECT_LE(plan.variables_after, ratio * halves.size());
+        EXPECT_EQ(plan.variables_after, refine(halves, facts.x, plan.next).space.size());
+        if (ratio > 10) {
+            EXPECT_EQ(plan.variables_after, 8);
+        }
+    }
+}
+
 /// Octants move by turns, and quadrants can do nothing of it.
 TEST(Refinement, ARunGoesOnToPartsOfParts) {
     Problem problem = ellipsoid_problem(3, 3);

@@ -70,10 +70,10 @@ TEST(ResponseMetric, OfElasticEnergiesAShareCounts) {
     const int fields = 27, loads = whole.size() - fields;
     ASSERT_EQ(whole.variables[fields].kind, VariableKind::normal_load);
     const Eigen::MatrixXd& all = whole.metric;
-    const Eigen::MatrixXd left_out = all - part.metric;
-    EXPECT_LT(left_out.leftCols(fields).cwiseAbs().maxCoeff(), 1e-9 * all.diagonal().maxCoeff());
+    const Eigen::MatrixXd not_counted = all - part.metric;
+    EXPECT_LT(not_counted.leftCols(fields).cwiseAbs().maxCoeff(), 1e-9 * all.diagonal().maxCoeff());
     // Energies are measured by the soft one of them, whose own is 1.
-    const Eigen::VectorXd energies = left_out.bottomRightCorner(loads, loads).diagonal() / (1 - share);
+    const Eigen::VectorXd energies = not_counted.bottomRightCorner(loads, loads).diagonal() / (1 - share);
     EXPECT_NEAR(energies.minCoeff(), 1, 1e-6);
     const std::unique_ptr<PrimoShell> shell = shell_at_rest(part);
     const Eigen::VectorXd d = Eigen::VectorXd::Unit(part.size(), fields) + Eigen::VectorXd::Unit(part.size(), 3);

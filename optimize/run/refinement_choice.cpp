@@ -72,7 +72,8 @@ std::optional<RefinementChoice> RefinementScale::weigh(const DesignFacts& facts,
     return choice;
 }
 
-/// Many variables must gain more than few: each takes its share of the search.
+/// Many variables must gain more than few: each takes its share of the search. Not where the level can do no more for
+/// noise: larger steps, which only finer patches still have, are above it.
 double RefinementScale::price(const RefinementPlan& plan) const {
     if (is_in_noise_) return 1;
     return std::max(1.0, (plan.variables_after - plan.variables_before) / variables_at_price);

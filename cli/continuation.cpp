@@ -57,13 +57,14 @@ void keep_meaning(Case& the_case, int meaning) {
                   since_symmetry_is_seen = 20, since_rough_fields_are_curved = 21, since_patches_lead_sooner = 21,
                   since_all_fields_are_offered = 22, since_steps_are_free = 22, since_limits_are_restored = 22,
                   since_borders_are_kept = 23, since_wide_bodies_have_noses = 24, since_first_fields_ask_less = 25,
-                  since_energy_is_shared = 26, since_parts_of_parts_are_seen = 26;
+                  since_energy_is_shared = 26, since_parts_of_parts_are_seen = 26, since_ties_are_broken = 26;
     for (WingEntry& wing : the_case.planform) {
         wing.keeps_outline = wing.keeps_outline && meaning >= since_outlines_are_kept;
         wing.rules = meaning < since_noses_are_corners_later ? WingRules::earlier
                      : meaning < since_winglets_are_followed ? WingRules::sliding
                                                              : WingRules::latest;
     }
+    the_case.hold.rounding_breaks_ties = meaning < since_ties_are_broken;
     the_case.parameters.limits_variables = meaning < since_shapes_are_limited;
     the_case.optimize.is_relative_to_objective = meaning < since_shapes_are_limited;
     the_case.optimize.shares_with_all_levels = meaning < since_shapes_are_limited;

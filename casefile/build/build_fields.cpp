@@ -27,6 +27,23 @@ constexpr std::array spline_steps{12, 24, 48, 96, 192, 384};
 
 /// More of a section's half thickness than this, and its sides cross.
 constexpr double thinning = 0.6;
+constexpr double same_distance = 1e-6;  ///< in diagonals
+
+/// By its centroid. On a symmetric body two are often as near to its middle, in one unit of length the one by rounding,
+/// in another the other: of those within `tie` of the nearest the one farthest along x counts, then along y and z.
+int nearest_triangle(const TriMesh& mesh, const std::vector<int>& part, const Eigen::Vector3d& near, double tie) {
+    std::vector<int> nearest;
+    const auto keep_least = [&](const std::vector<int>& from, const auto& measure) {
+        double least = std::numeric_limits<double>::infinity();
+        for (const int t : from) least = std::min(least, measure(t));
+        nearest.clear();
+        std::ranges::copy_if(from, std::back_inserter(nearest), [&](int t) { return measure(t) <= least + tie; });
+    };
+    keep_least(part, [&](int t) { return (area_centroid(mesh, {t}) - near).norm(); });
+    for (int axis = 0; axis < 3 && tie > 0; ++axis)
+        keep_least(std::vector<int>(nearest), [&](int t) { return -area_centroid(mesh, {t})[axis]; });
+    return nearest.front();
+}
 
 constexpr double same_direction = 1e-6;
 
@@ -96,13 +113,7 @@ int ProblemBuilder::support_near(const std::vector<int>& part) const {
         }
         near /= weight;
     }
-    int best = part.front();
-    double least = std::numeric_limits<double>::infinity();
-    for (const int t : part) {
-        const double distance = (area_centroid(mesh, {t}) - near).norm();
-        if (distance < least) least = distance, best = t;
-    }
-    return best;
+    return nearest_triangle(mesh, part, near, case_.hold.rounding_breaks_ties ? 0 : same_distance * start_.diagonal);
 }
 
 /// hold: point and none take the place of everything else that keeps the body where it is.

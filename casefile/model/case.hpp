@@ -194,6 +194,7 @@ struct HoldEntry {
     enum class By { fixed, point, none };
     By by = By::fixed;
     std::optional<Eigen::Vector3d> point;
+    bool rounding_breaks_ties = false;  ///< the meaning of earlier runs: between triangles as near to the point
     Place place;
 };
 

@@ -73,7 +73,8 @@ struct JournalFacts {
     /// (`Parameters::lets_border_turn`); 24: bodies as wide as long have the axis of fields in their plane of symmetry
     /// (`FieldOptions::axis_by_extent_alone`); 25: the first level of long runs by models that begin with fields asks
     /// half batches (`OptimizeOptions::begins_with_whole_batches`); 26: by gradients elastic energies beside fields
-    /// count a share (`energy_share`), and refinement looks at parts of parts (`OptimizeOptions::sees_parts_alone`).
+    /// count a share (`energy_share`), and refinement looks at parts of parts (`OptimizeOptions::sees_parts_alone`); of
+    /// triangles as near to the middle `hold: point` takes one, whatever rounding says.
     int meaning = latest_meaning;
     std::vector<std::string> values, parameters;  ///< names of the values and of the parameters
     std::map<std::string, std::string> files;     ///< hash of each file that the case names

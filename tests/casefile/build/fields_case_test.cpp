@@ -210,6 +210,23 @@ TEST_F(FieldsOfACase, AreThoseOfTheStart) {
         EXPECT_FALSE(begun(none).fields.is_wanted) << none;
 }
 
+/// Four triangles of this body are as near to its middle: one of them holds it, whatever the unit and the order.
+TEST_F(FieldsOfACase, HoldPointTakesTheSameTriangleInEveryUnit) {
+    const auto held = [&](double unit, bool is_reversed) {
+        TriMesh mesh = ellipsoid(unit * Eigen::Vector3d(1, 0.6, 0.4), 2);
+        mesh.vertices.rowwise() += unit * Eigen::RowVector3d(0.3, 0.1, -0.7);
+        if (is_reversed) mesh.triangles = mesh.triangles.colwise().reverse().eval();
+        surface(mesh);
+        const Problem problem = build("hold: point\nobjective: {minimize: area}\n").problem;
+        EXPECT_EQ(problem.supports.size(), 1u);
+        const int t = problem.supports.front();
+        return is_reversed ? mesh.num_triangles() - 1 - t : t;
+    };
+    const int first = held(1, false);
+    for (const double unit : {0.001, 0.1, 0.3, 3.0, 7.0, 25.4, 1000.0})
+        for (const bool is_reversed : {false, true}) EXPECT_EQ(held(unit, is_reversed), first) << unit << is_reversed;
+}
+
 /// At most 3 % of the distance is left of what loads alone hardly make.
 TEST_F(FieldsOfACase, AFitWithoutOptionsFindsAWidenedAndFlattenedBody) {
     const TriMesh start = ellipsoid({1, 0.2, 0.2}, 2);

@@ -33,15 +33,15 @@ constexpr double same_distance = 1e-6;  ///< in diagonals
 /// in another the other: of those within `tie` of the nearest the one farthest along x counts, then along y and z.
 int nearest_triangle(const TriMesh& mesh, const std::vector<int>& part, const Eigen::Vector3d& near, double tie) {
     std::vector<int> nearest;
-    const auto keep_least = [&](const std::vector<int>& from, const auto& measure) {
+    const auto keep_smallest = [&](const std::vector<int>& from, const auto& measure) {
         double least = std::numeric_limits<double>::infinity();
         for (const int t : from) least = std::min(least, measure(t));
         nearest.clear();
         std::ranges::copy_if(from, std::back_inserter(nearest), [&](int t) { return measure(t) <= least + tie; });
     };
-    keep_least(part, [&](int t) { return (area_centroid(mesh, {t}) - near).norm(); });
+    keep_smallest(part, [&](int t) { return (area_centroid(mesh, {t}) - near).norm(); });
     for (int axis = 0; axis < 3 && tie > 0; ++axis)
-        keep_least(std::vector<int>(nearest), [&](int t) { return -area_centroid(mesh, {t})[axis]; });
+        keep_smallest(std::vector<int>(nearest), [&](int t) { return -area_centroid(mesh, {t})[axis]; });
     return nearest.front();
 }
 

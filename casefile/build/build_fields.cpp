@@ -32,6 +32,8 @@ constexpr double same_distance = 1e-6;  ///< in diagonals
 /// By its centroid. On a symmetric body two are often as near to its middle, in one unit of length the one by rounding,
 /// in another the other: of those within `tie` of the nearest the one farthest along x counts, then along y and z.
 int nearest_triangle(const TriMesh& mesh, const std::vector<int>& part, const Eigen::Vector3d& near, double tie) {
+    Points centre(mesh.num_triangles(), 3);
+    for (const int t : part) centre.row(t) = area_centroid(mesh, {t});
     std::vector<int> nearest;
     const auto keep_smallest = [&](const std::vector<int>& from, const auto& measure) {
         double least = std::numeric_limits<double>::infinity();
@@ -39,9 +41,9 @@ int nearest_triangle(const TriMesh& mesh, const std::vector<int>& part, const Ei
         nearest.clear();
         std::ranges::copy_if(from, std::back_inserter(nearest), [&](int t) { return measure(t) <= least + tie; });
     };
-    keep_smallest(part, [&](int t) { return (area_centroid(mesh, {t}) - near).norm(); });
+    keep_smallest(part, [&](int t) { return (centre.row(t).transpose() - near).norm(); });
     for (int axis = 0; axis < 3 && tie > 0; ++axis)
-        keep_smallest(std::vector<int>(nearest), [&](int t) { return -area_centroid(mesh, {t})[axis]; });
+        keep_smallest(std::vector<int>(nearest), [&](int t) { return -centre(t, axis); });
     return nearest.front();
 }
 

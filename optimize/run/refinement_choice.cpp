@@ -26,16 +26,13 @@ int RefinementScale::max_depth(const DesignSpace& space) const {
     const PatchHierarchy& tree = *space.rest->tree;
     const Parameters& p = space.rest->parameters;
     const double max_variables = p.max_variable_ratio * std::max(1, space.size());
-    const auto finer = [&](const Front& front) {
-        return split_front(tree, front, std::vector<char>(front.depth.size(), 1));
-    };
-    int depth = 1;
-    Front parts = finer(*space.front);
-    for (Front next = finer(parts); next.depth.size() > parts.depth.size(); next = finer(parts), ++depth) {
-        if (static_cast<double>(next.depth.size()) * variables_of_a_patch(p) > max_variables) break;
+    Front parts = split_everywhere(tree, *space.front);
+    for (int depth = 1;; ++depth) {
+        Front next = split_everywhere(tree, parts);
+        const bool is_finest = next.depth.size() == parts.depth.size();
+        if (is_finest || static_cast<double>(next.depth.size()) * variables_of_a_patch(p) > max_variables) return depth;
         parts = std::move(next);
     }
-    return depth;
 }
 
 std::optional<RefinementChoice> RefinementScale::choose(const DesignFacts& facts) const {

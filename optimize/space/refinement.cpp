@@ -39,16 +39,16 @@ std::vector<int> split_groups(const DesignSpace* parent, const Parts& parts) {
         while (root[p] != p) p = root[p];
         return p;
     };
-    for (const DesignSpace* space : {parent, &parts.child}) {
-        if (!space) continue;  // so that below `parent` is one
-        for (const Variable& variable : space->variables)
+    const auto tie = [&](const DesignSpace& space, const auto& owner) {
+        for (const Variable& variable : space.variables)
             for (const DegreeOfFreedom& move : variable.moves) {
                 if (variable.patch < 0) continue;
-                const auto owner = [&](int patch) { return space == parent ? patch : parts.owner[patch]; };
                 const int a = find(owner(variable.patch)), b = find(owner(move.index / patch_dof::count));
                 root[std::max(a, b)] = std::min(a, b);
             }
-    }
+    };
+    if (parent) tie(*parent, [](int patch) { return patch; });
+    tie(parts.child, [&](int patch) { return parts.owner[patch]; });
     for (std::size_t p = 0; p < root.size(); ++p) root[p] = find(static_cast<int>(p));
     return root;
 }
@@ -346,6 +346,10 @@ bool has_finer(const DesignSpace& space) {
     return *std::max_element(parts.begin(), parts.end()) > 1;
 }
 
+Front split_everywhere(const PatchHierarchy& tree, const Front& front) {
+    return split_front(tree, front, std::vector<char>(front.depth.size(), 1));
+}
+
 LevelSet refined_everywhere(const DesignSpace& space) {
     LevelSet next = refined(space, {*space.front}, std::vector<char>(space.front->depth.size(), 1), {});
     next.fields = more_fields(space.rest->parameters, space.fields);
@@ -360,7 +364,7 @@ std::optional<Prospect> prospect(const DesignSpace& space, const VectorXd& x, in
     for (int k = 1; k < depth; ++k) {
         const std::vector<int> parts = parts_of(tree, below.passed.back());
         if (space.rest->parameters.kinds.empty() || std::ranges::max(parts) == 1) return {};
-        below.passed.push_back(split_front(tree, below.passed.back(), std::vector<char>(parts.size(), 1)));
+        below.passed.push_back(split_everywhere(tree, below.passed.back()));
     }
     if (depth > 1 && std::ranges::max(parts_of(tree, below.passed.back())) == 1) return {};
     LevelSet all = refined(space, below.passed, std::vector<char>(below.passed.back().depth.size(), 1), {});

@@ -41,6 +41,8 @@ struct DesignFacts {
 
 /// The space can be refined: some patch has parts, patches are still to join the fields, or there are more fields.
 bool has_finer(const DesignSpace& space);
+/// All patches that have parts, split.
+Front split_everywhere(const PatchHierarchy& tree, const Front& front);
 /// The level below with everything refined.
 LevelSet refined_everywhere(const DesignSpace& space);
 

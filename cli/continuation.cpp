@@ -57,7 +57,8 @@ void keep_meaning(Case& the_case, int meaning) {
                   since_symmetry_is_seen = 20, since_rough_fields_are_curved = 21, since_patches_lead_sooner = 21,
                   since_all_fields_are_offered = 22, since_steps_are_free = 22, since_limits_are_restored = 22,
                   since_borders_are_kept = 23, since_wide_bodies_have_noses = 24, since_first_fields_ask_less = 25,
-                  since_energy_is_shared = 26, since_parts_of_parts_are_seen = 26, since_ties_are_broken = 26;
+                  since_energy_is_shared = 26, since_parts_of_parts_are_seen = 26, since_ties_are_broken = 26,
+                  since_patches_are_single = 27;
     for (WingEntry& wing : the_case.planform) {
         wing.keeps_outline = wing.keeps_outline && meaning >= since_outlines_are_kept;
         wing.rules = meaning < since_noses_are_corners_later ? WingRules::earlier
@@ -109,6 +110,7 @@ void keep_meaning(Case& the_case, int meaning) {
     the_case.optimize.begins_with_whole_batches = meaning < since_first_fields_ask_less;
     the_case.optimize.counts_whole_energy = meaning < since_energy_is_shared;
     the_case.optimize.sees_parts_alone = meaning < since_parts_of_parts_are_seen;
+    the_case.optimize.refines_whole_fronts = meaning < since_patches_are_single;
 }
 
 int written_meaning(const std::filesystem::path& dir) {

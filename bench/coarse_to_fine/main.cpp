@@ -45,6 +45,7 @@ constexpr EarlierWay earlier_ways[] = {
     {"--whole-batches", &OptimizeOptions::begins_with_whole_batches,
      "model asks whole batches on the first level of fields, too"},
     {"--parts-alone", &OptimizeOptions::sees_parts_alone, "refinement looks at parts of patches alone, never deeper"},
+    {"--whole-fronts", &OptimizeOptions::refines_whole_fronts, "beside fields all patches of a front have variables"},
     {"--whole-energies", &OptimizeOptions::counts_whole_energy, "elastic energies count wholly beside fields"},
     {"--ignores-symmetry", &OptimizeOptions::ignores_symmetry, "model searches symmetric designs among all others"},
     {"--pays-without-shape", &OptimizeOptions::pays_without_shape, "model evaluates designs that have no valid shape"},

@@ -226,6 +226,9 @@ struct OptimizeOptions {
     /// The meaning of earlier runs: by sensitivity refinement ends where parts of patches promise too little, whatever
     /// their parts would (optimize/run/refinement_choice.hpp).
     bool sees_parts_alone = false;
+    /// The meaning of earlier runs: beside fields all patches of a front have variables, by gradients too
+    /// (`takes_single_patches`).
+    bool refines_whole_fronts = false;
     double step_tolerance = 1e-6;        ///< or below this change of the scaled variables
     double constraint_tolerance = 1e-6;  ///< of the scaled constraint, for "feasible"
     bool finite_differences = false;  ///< gradients of values without sensitivities by differences in the scaled basis

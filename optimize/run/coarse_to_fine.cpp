@@ -46,7 +46,8 @@ constexpr double max_range_ratio = 16;  ///< times the longest step, where range
 class Optimization {
 public:
     Optimization(const Problem& problem, const RunEvents& events, Journal* journal)
-        : state_(problem, events, LevelProgram::differentiated_names(problem), journal, energy_share(problem)),
+        : state_(problem, events, LevelProgram::differentiated_names(problem), journal, energy_share(problem),
+                 takes_single_patches(problem)),
           program_(state_),
           budget_(state_, program_),
           order_(state_, budget_) {
@@ -428,14 +429,16 @@ private:
     }
 
     /// False: the details below are expected to gain more than this level, it has done its part. Where only the best
-    /// few are split, already a tenth: the metric is stiffer on details than objectives are, and underestimates them.
+    /// few are split, already a tenth: the metric is stiffer on details than objectives are, and underestimates them
+    /// (not where patches of all depths are seen, and energies count a share).
     bool is_best_at_this_level(const Prospect& below, const NonlinearProgram& program, double expected,
                                const Eigen::MatrixXd& hessian) {
         const Parameters& p = state_.rest->parameters;
         const FieldSet& present = state_.space.fields;
         const bool begins = state_.result.evaluations <= 1 && !p.offers_fields_by_steps &&
                             offered_fields(p, present).numbers.size() > present.numbers.size();
-        const double outgrown = p.split == SplitRule::tree ? 1 : begins ? outgrown_at_start : 10;
+        const bool by_best_few = p.split != SplitRule::tree, is_exact = state_.rest->takes_single_patches;
+        const double outgrown = !by_best_few ? 1 : begins ? outgrown_at_start : is_exact ? 1 : 10;
         return outgrown * forecast_by(below, shape_curvature(hessian, program.metric)) <= expected;
     }
 

@@ -28,14 +28,11 @@ std::string without_gradient(const Problem& problem) {
     return {};
 }
 
-}  // namespace
-
-int variables_of_a_patch(const Parameters& p) {
-    const int directions = p.load_directions.empty() ? 3 : static_cast<int>(p.load_directions.size());
-    return directions * has(p, VariableKind::load) + has(p, VariableKind::normal_load) +
-           3 * (p.strain_rotates + p.strain_translates) * has(p, VariableKind::strain) +
-           has(p, VariableKind::stiffness);
+bool has_exact_gradients(const Problem& problem) {
+    return method_facts(problem.optimize.method).needs_gradients && without_gradient(problem).empty();
 }
+
+}  // namespace
 
 int max_variables_at_start(const Problem& problem) {
     const Parameters& p = problem.parameters;
@@ -103,9 +100,14 @@ bool begins_with_wide_ranges(const Problem& problem) {
 }
 
 double energy_share(const Problem& problem) {
-    const OptimizeOptions& options = problem.optimize;
-    const bool has_gradients = method_facts(options.method).needs_gradients && without_gradient(problem).empty();
-    return problem.parameters.fields && has_gradients && !options.counts_whole_energy ? energy_beside_fields : 1;
+    const bool counts_share = problem.parameters.fields && !problem.optimize.counts_whole_energy;
+    return counts_share && has_exact_gradients(problem) ? energy_beside_fields : 1;
+}
+
+bool takes_single_patches(const Problem& problem) {
+    const Parameters& p = problem.parameters;
+    return p.fields && p.split == SplitRule::sensitivity && !p.kinds.empty() && std::ranges::all_of(p.kinds, is_load) &&
+           has_exact_gradients(problem) && !problem.optimize.refines_whole_fronts;
 }
 
 MethodChoice choose_method(const Problem& problem, int budget) {

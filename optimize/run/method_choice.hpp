@@ -26,11 +26,12 @@ MethodChoice choose_method(const Problem& problem, int budget);
 double energy_share(const Problem& problem);
 inline constexpr double energy_beside_fields = 0.003;
 
+/// Beside fields, a run by gradients that chooses what to refine (`split: sensitivity`) gives variables to single
+/// patches (`RestFacts::takes_single_patches`). Of loads alone: they leave what they do to those beside.
+bool takes_single_patches(const Problem& problem);
+
 /// Maximum number of variables of the first level: a run drops those that turn out to move nothing.
 int max_variables_at_start(const Problem& problem);
-
-/// Of each patch that is free.
-int variables_of_a_patch(const Parameters& parameters);
 
 /// Gradients by differences, one evaluation for each variable and one more, below which `model` ends lower on most
 /// problems of the evidence suite (docs/evidence.md).

@@ -37,7 +37,8 @@ int RefinementScale::max_depth(const DesignSpace& space) const {
 
 std::optional<RefinementChoice> RefinementScale::choose(const DesignFacts& facts) const {
     std::optional<RefinementChoice> choice = weigh(facts, 1);
-    const bool may_look = choice && choice->is_idle && !state_.problem.optimize.sees_parts_alone;
+    const bool may_look = choice && choice->is_idle && !state_.problem.optimize.sees_parts_alone &&
+                          !facts.space.rest->takes_single_patches;
     const int deepest = may_look ? max_depth(facts.space) : 1;
     for (int depth = 2; depth <= deepest; ++depth) {
         std::optional<RefinementChoice> deeper = weigh(facts, depth);

@@ -22,10 +22,10 @@ int first_level_of(const PatchHierarchy& tree, const Parameters& parameters) {
 }  // namespace
 
 RunState::RunState(const Problem& p, const RunEvents& e, const std::vector<std::string>& differentiated,
-                   Journal* journal, double energy_share)
+                   Journal* journal, double energy_share, bool takes_single_patches)
     : problem(p),
       events(e),
-      rest(rest_facts(p, energy_share)),
+      rest(rest_facts(p, energy_share, takes_single_patches)),
       evaluator(p, rest, differentiated),
       journal_(journal),
       replayed_(journal ? static_cast<int>(journal->evaluations().size()) : 0) {

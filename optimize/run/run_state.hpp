@@ -22,9 +22,9 @@ struct Rank {
 class RunState {
 public:
     /// @param journal that the run is written to and replayed against; may be null.
-    /// @param energy_share see `RestFacts`
+    /// @param energy_share, takes_single_patches see `RestFacts`
     RunState(const Problem& problem, const RunEvents& events, const std::vector<std::string>& differentiated,
-             Journal* journal = nullptr, double energy_share = 1);
+             Journal* journal = nullptr, double energy_share = 1, bool takes_single_patches = false);
     ~RunState() { rest->cache->stop_wanted = {}; }  // the result keeps the rest, and the run is over
     RunState(const RunState&) = delete;
     RunState& operator=(const RunState&) = delete;

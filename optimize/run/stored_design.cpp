@@ -207,12 +207,18 @@ StartSpace start_space(std::shared_ptr<const RestFacts> rest, const StoredDesign
 
 namespace {
 
-/// The fields of the first level, and those that the design uses.
+/// The fields of the first level, and those that the design uses; of patches that are taken one by one those too.
 LevelSet stored_level(const StartSpace& stored, int level) {
     const RestFacts& rest = *stored.space.rest;
     LevelSet set = level_set(rest, 0);
     set.front = stored.front;
     set.has_patches |= level > 0;
+    if (rest.takes_single_patches && set.has_patches) {
+        set.resting.assign(set.front.depth.size(), 1);
+        for (const Variable& v : stored.space.variables)
+            if (v.patch >= 0) set.resting[v.patch] = 0;
+        set.has_patches = std::ranges::count(set.resting, 0) > 0;
+    }
     std::vector<int>& numbers = set.fields.numbers;
     for (const Variable& v : stored.space.variables) {
         const int g = v.moves.empty() ? -1 : v.moves.front().index - stored.space.num_patch_dofs();

@@ -107,7 +107,7 @@ public:
             group.there.basis = orthonormal(own, round_off * longest_of(present));
         }
         measure(groups, p, metric);
-        next_ = LevelSet{*state_.space.front, state_.space.fields, state_.space.has_patches};
+        next_ = level_set_of(state_.space);
         state_.is_trying = false;
     }
 

@@ -115,7 +115,7 @@ public:
             bool any_free = false, has_core = true;
             for (const Tied::Member& member : tied.members) {
                 const Patch& patch = space_.patches().patches[member.patch];
-                if (!takes_part(rest_, patch)) continue;
+                if (!takes_part(rest_, patch) || !space_.has_variables(patch.id)) continue;
                 if (!rest_.parameters.frozen.empty() && any_of(rest_.parameters.frozen, patch)) {
                     space_.notes.push_back(text("patch ", patch.name, ": frozen, no variables"));
                     continue;
@@ -242,6 +242,17 @@ void list_user_variables(DesignSpace& space) {
 
 }  // namespace
 
+int variables_of_a_patch(const Parameters& p) {
+    const auto has = [&](VariableKind kind) { return std::ranges::count(p.kinds, kind) > 0; };
+    const int directions = p.load_directions.empty() ? 3 : static_cast<int>(p.load_directions.size());
+    return directions * has(VariableKind::load) + has(VariableKind::normal_load) +
+           3 * (p.strain_rotates + p.strain_translates) * has(VariableKind::strain) + has(VariableKind::stiffness);
+}
+
+LevelSet level_set_of(const DesignSpace& space) {
+    return {*space.front, space.fields, space.has_patches, space.resting, false};
+}
+
 LevelSet level_set(const RestFacts& rest, int level) {
     const Parameters& p = rest.parameters;
     const int finest = static_cast<int>(rest.tree->levels.size()) - 1;
@@ -280,6 +291,7 @@ DesignSpace make_space(std::shared_ptr<const RestFacts> rest, int level, const L
     space.front = std::make_shared<const Front>(set.front);
     space.fields = set.fields;
     space.has_patches = set.has_patches;
+    space.resting = set.resting;
     space.carried_user_values =
         Eigen::VectorXd::Zero(static_cast<Eigen::Index>(space.rest->parameters.user_variables.size()));
     place_cores(space, parent);

@@ -72,8 +72,9 @@ struct FieldSet {
 struct LevelSet {
     Front front;
     FieldSet fields;
-    bool has_patches = true;  ///< patches have variables; false: the fields are by themselves
-    bool takes_up = false;    ///< fields that rested above go on with the values that they have, in the same ranges
+    bool has_patches = true;      ///< patches have variables; false: the fields are by themselves
+    std::vector<char> resting{};  ///< per patch: it has none, and keeps what it inherits; empty: all have
+    bool takes_up = false;        ///< fields that rested above go on with the values that they have, in the same ranges
 };
 
 struct DesignSpace {
@@ -82,6 +83,7 @@ struct DesignSpace {
     std::shared_ptr<const Front> front;
     FieldSet fields;
     bool has_patches = true;
+    std::vector<char> resting;        ///< `LevelSet::resting`
     std::vector<Variable> variables;  ///< of the shape, then those of `rest->program_parameters`
     /// size() x size(), positive definite: x.metric.x is the size of a small change x, see response_metric.hpp.
     Eigen::MatrixXd metric;
@@ -104,11 +106,15 @@ struct DesignSpace {
     int num_parameters() const;  ///< of the variables, the last ones
     int num_shape() const { return size() - num_parameters(); }
     const PatchLevel& patches() const { return front->patches; }
+    bool has_variables(int patch) const { return has_patches && (resting.empty() || !resting[patch]); }
     int num_patch_dofs() const { return patch_dof::count * static_cast<int>(front->patches.patches.size()); }
     int num_dofs() const { return num_patch_dofs() + static_cast<int>(rest->parameters.user_variables.size()); }
     Eigen::VectorXd user_values(const Eigen::VectorXd& dofs) const { return dofs.tail(num_dofs() - num_patch_dofs()); }
     bool changes_height() const;  ///< some variable is a stiffness, or one was inherited
 };
+
+/// How many a patch that is free has.
+int variables_of_a_patch(const Parameters& parameters);
 
 /// The space of `level` of the tree with x = 0 the undeformed start (under given loads and strains).
 /// @throws InvalidInput: no such level; strain cores that leave no free prism. UnheldPart from the rest solve.
@@ -128,6 +134,8 @@ InheritedSpace refine(const DesignSpace& parent, const Eigen::VectorXd& x);
 /// To a front made by `split_front`, with the parent's fields.
 InheritedSpace refine(const DesignSpace& parent, const Eigen::VectorXd& x, const Front& front);
 
+/// What the variables of a space are made of.
+LevelSet level_set_of(const DesignSpace& space);
 /// A level of the tree: on each, `Parameters::field_steps` goes on by one number.
 LevelSet level_set(const RestFacts& rest, int level);
 /// All fields below the next of `Parameters::field_steps`.

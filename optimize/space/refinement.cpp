@@ -2,10 +2,11 @@
 
 #include "core/error.hpp"
 #include "core/mesh/geometry.hpp"
+#include "optimize/space/possible_splits.hpp"
 #include "optimize/space/shape_map.hpp"
+#include "optimize/space/single_patches.hpp"
 
 #include <Eigen/QR>
-#include <map>
 #include <numeric>
 
 namespace strake {
@@ -17,105 +18,6 @@ using Eigen::VectorXd;
 constexpr double at_bound_share = 1e-6;  ///< of the range
 /// Of the whole expected decrease, that fields are taken for: one more costs next to nothing, a patch an equilibrium.
 constexpr double marked_fields = 0.99;
-
-/// Parts of patches: the front that they are parts of, and of which of its patches each is one.
-struct Parts {
-    const DesignSpace& child;
-    const Front& above;
-    std::vector<int> owner;  ///< by the child's patches
-
-    Parts(const DesignSpace& parts, const Front& front) : child(parts), above(front) {
-        for (const Patch& patch : child.patches().patches)
-            owner.push_back(above.patches.label[patch.triangles.front()]);
-    }
-};
-
-/// Patches that have to be split together because variables tie their children, or themselves.
-/// @param parent whose front the patches are; null: no space has them
-std::vector<int> split_groups(const DesignSpace* parent, const Parts& parts) {
-    std::vector<int> root(parts.above.depth.size());
-    std::iota(root.begin(), root.end(), 0);
-    const auto find = [&](int p) {
-        while (root[p] != p) p = root[p];
-        return p;
-    };
-    const auto tie = [&](const DesignSpace& space, const auto& owner) {
-        for (const Variable& variable : space.variables)
-            for (const DegreeOfFreedom& move : variable.moves) {
-                if (variable.patch < 0) continue;
-                const int a = find(owner(variable.patch)), b = find(owner(move.index / patch_dof::count));
-                root[std::max(a, b)] = std::min(a, b);
-            }
-    };
-    if (parent) tie(*parent, [](int patch) { return patch; });
-    tie(parts.child, [&](int patch) { return parts.owner[patch]; });
-    for (std::size_t p = 0; p < root.size(); ++p) root[p] = find(static_cast<int>(p));
-    return root;
-}
-
-/// Shape variables by the group of the patch that they act on; `owner(variable)` is a patch of the parent.
-template <class Owner>
-std::vector<std::vector<int>> by_group(const DesignSpace& space, const std::vector<int>& group, const Owner& owner) {
-    std::vector<std::vector<int>> members(group.size());
-    for (int j = 0; j < space.num_shape(); ++j)
-        if (space.variables[j].patch >= 0) members[group[owner(space.variables[j])]].push_back(j);
-    return members;
-}
-
-/// A split each for the fields that the child has and the parent has not.
-void offer_fields(const DesignSpace& parent, const DesignSpace& child, std::vector<SplitDecrease>& splits) {
-    const std::vector<int>& there = parent.fields.numbers;
-    for (int j = 0; j < child.num_shape(); ++j) {
-        const Variable& v = child.variables[j];
-        const int field = v.kind == VariableKind::field ? child.rest->parameters.user_variables[v.component].field : -1;
-        if (field < 0 || std::ranges::binary_search(there, field)) continue;
-        SplitDecrease more;
-        more.names = v.name;
-        more.field = field;
-        more.variables = {j};
-        more.new_variables = 1;
-        splits.push_back(std::move(more));
-    }
-}
-
-/// How many variables a split adds to a patch that no space has: it would have as many as the first of its parts.
-int added_by_parts(const Parts& parts, const std::vector<int>& variables) {
-    std::map<int, int> first;  // part, by owner
-    return static_cast<int>(std::ranges::count_if(variables, [&](int j) {
-        const int part = parts.child.variables[j].patch;
-        return first.try_emplace(parts.owner[part], part).first->second != part;
-    }));
-}
-
-/// Splits of the patches of the last front that is passed, in the order of their first patch; fields come last.
-std::vector<SplitDecrease> possible_splits(const DesignSpace& parent, const DesignSpace& child,
-                                           const std::vector<Front>& passed) {
-    const Parts parts(child, passed.back());
-    const std::vector<int> number = parts_of(*parent.rest->tree, parts.above);
-    const bool is_next = passed.size() == 1;
-    const std::vector<int> group = split_groups(is_next ? &parent : nullptr, parts);
-    const auto new_ones = by_group(child, group, [&](const Variable& v) { return parts.owner[v.patch]; });
-    std::vector<std::vector<int>> old_ones;
-    if (is_next) old_ones = by_group(parent, group, [](const Variable& v) { return v.patch; });
-    std::vector<SplitDecrease> splits;
-    for (std::size_t g = 0; g < group.size(); ++g) {
-        SplitDecrease split;
-        bool has_parts = false;
-        for (const Patch& patch : parts.above.patches.patches)
-            if (group[patch.id] == static_cast<int>(g)) {
-                split.patches.push_back(patch.id);
-                split.names += (split.names.empty() ? "" : "+") + patch.name;
-                has_parts |= number[patch.id] > 1;
-            }
-        split.variables = new_ones[g];
-        split.new_variables = is_next ? static_cast<int>(new_ones[g].size()) - static_cast<int>(old_ones[g].size())
-                                      : added_by_parts(parts, new_ones[g]);
-        has_parts |= is_next && !parent.has_patches;
-        if (has_parts && split.new_variables > 0) splits.push_back(std::move(split));
-    }
-    offer_fields(parent, child, splits);
-    return splits;
-}
 
 /// Orthonormal basis of the columns; what is shorter than `round_off` does not count.
 MatrixXd orthonormal(const MatrixXd& columns, double round_off) {
@@ -174,32 +76,6 @@ std::vector<SplitDecrease> of_patches_only(const std::vector<SplitDecrease>& spl
     return left;
 }
 
-/// The space's patches with the chosen ones of the last front split, and those of the fronts before it of which these
-/// are parts; and its fields with these.
-LevelSet refined(const DesignSpace& space, const std::vector<Front>& passed, std::vector<char> chosen,
-                 const std::vector<int>& fields) {
-    LevelSet next{*space.front, space.fields, space.has_patches};
-    next.has_patches |= std::ranges::count(chosen, 1) > 0;
-    std::vector<std::vector<char>> is_split{std::move(chosen)};  // from the last front to the first
-    for (std::size_t k = passed.size() - 1; k > 0; --k) {
-        std::vector<char> above(passed[k - 1].depth.size(), 0);
-        for (const Patch& patch : passed[k].patches.patches)
-            if (is_split.back()[patch.id]) above[patch.parent] = 1;
-        is_split.push_back(std::move(above));
-    }
-    for (std::size_t k = 0; k < passed.size(); ++k, is_split.pop_back()) {
-        std::vector<char> here;  // a patch that was left whole has no part that is split
-        for (const Patch& patch : next.front.patches.patches)
-            here.push_back(is_split.back()[passed[k].patches.label[patch.triangles.front()]]);
-        next.front = split_front(*space.rest->tree, next.front, here);
-    }
-    for (Patch& patch : next.front.patches.patches) patch.parent = space.patches().label[patch.triangles.front()];
-    next.fields.reach = offered_fields(space.rest->parameters, space.fields).reach;
-    next.fields.numbers.insert(next.fields.numbers.end(), fields.begin(), fields.end());
-    std::ranges::sort(next.fields.numbers);
-    return next;
-}
-
 std::string percent(double share) { return text(std::isfinite(share) ? std::round(1000 * share) / 10 : 0.0, " %"); }
 
 /// One round of splits within the growth that is allowed, the largest gain first; adds to the plan.
@@ -211,11 +87,12 @@ public:
           max_variables_(max_variables),
           min_per_variable_(min_per_variable),
           max_splits_(max_splits),
-          passed_(below.passed),
+          below_(below),
           splits_(below.splits),
           known_(reachable(facts, below)),
           open_(open_gradient(facts, below, known_)) {
         all_ = open_.squaredNorm() / (2 * facts.curvature);
+        is_covered_.assign(below.children.space.front->depth.size(), 0);
         const bool by_gradient = facts.space.rest->parameters.split == SplitRule::gradient;
         if (by_gradient) {
             by_integral();
@@ -223,7 +100,8 @@ public:
         }
         const MatrixXd whitener = below.metric.matrixU();
         for (const SplitDecrease& split : splits_) {
-            const MatrixXd columns = whitener(Eigen::all, split.variables);
+            const MatrixXd columns = split.directions.size() > 0 ? MatrixXd(whitener * split.directions)
+                                                                 : MatrixXd(whitener(Eigen::all, split.variables));
             lengths_.push_back(columns.colwise().norm().maxCoeff());
             columns_.push_back(columns - known_ * (known_.transpose() * columns));
         }
@@ -232,28 +110,26 @@ public:
     /// What the next level is made of.
     LevelSet operator()(RefinementPlan& plan) {
         if (splits_.empty()) return with_more_fields(plan);
-        std::vector<char> chosen(passed_.back().depth.size(), 0);
         std::vector<int> fields;
         std::vector<std::size_t> order;
-        const Parameters& parameters = facts_.space.rest->parameters;
-        const double all_patches = parameters.marking_fraction * all_;
-        const double all_fields =
-            parameters.offers_fields_by_steps ? all_patches : std::max(all_patches, marked_fields * all_);
-        double held = 0;
-        while ((held < all_fields || held == 0) && static_cast<int>(order.size()) < max_splits_) {
+        const double all_patches = facts_.space.rest->parameters.marking_fraction * all_;
+        // One by one, patches are for what fields cannot do: a load that stands for more of it is large, and buckles.
+        bool fields_alone = below_.takes_single_patches && expected_of_fields() >= all_patches;
+        double held = 0, wanted = fields_alone ? wanted_of_fields(held) : std::max(all_patches, wanted_of_all());
+        while ((held < wanted || held == 0) && static_cast<int>(order.size()) < max_splits_) {
             const bool is_first = plan.chosen == 0 && held == 0;
+            if (!fields_alone && held >= all_patches)
+                fields_alone = true, wanted = std::max(all_patches, wanted_of_fields(held));
             const std::optional<std::size_t> best =
-                is_first ? next(1e300, 0, false)
-                         : next(max_variables_ - plan.variables_after, min_per_variable_, held >= all_patches);
+                is_first ? next(1e300, 0, fields_alone)
+                         : next(max_variables_ - plan.variables_after, min_per_variable_, fields_alone);
             if (!best) break;
             SplitDecrease& split = splits_[*best];
-            split.chosen = true;
             held += split.decrease;
             plan.variables_after += split.new_variables;
-            for (const int p : split.patches) chosen[p] = 1;
             if (split.field >= 0) fields.push_back(split.field);
             order.push_back(*best);
-            if (!columns_.empty()) forget(orthonormal(columns_[*best], round_off * lengths_[*best]));
+            take(*best);
             if (split.decrease <= 0) break;
         }
         for (std::size_t s = 0; s < splits_.size(); ++s)
@@ -263,7 +139,7 @@ public:
         splits_ = std::move(sorted);
         plan.expected += all_;
         plan.chosen += held;
-        return refined(facts_.space, passed_, std::move(chosen), fields);
+        return with_chosen(fields);
     }
 
     double all() const { return all_; }
@@ -273,10 +149,46 @@ private:
     static constexpr double round_off = 1e-5;  ///< the metric's own, squared
     static constexpr double tie = 1e-6;
 
+    LevelSet with_chosen(const std::vector<int>& fields) const {
+        std::vector<const SplitDecrease*> chosen;
+        for (const SplitDecrease& split : splits_)
+            if (split.chosen) chosen.push_back(&split);
+        if (below_.takes_single_patches) return with_single_patches(facts_.space, chosen, fields);
+        std::vector<char> is_split(below_.passed.back().depth.size(), 0);
+        for (const SplitDecrease* split : chosen)
+            for (const int p : split->patches) is_split[p] = 1;
+        return refined(facts_.space, below_.passed, std::move(is_split), fields);
+    }
+
+    void take(std::size_t s) {
+        splits_[s].chosen = true;
+        for (const int p : splits_[s].covered) is_covered_[p] = 1;
+        if (!columns_.empty()) forget(orthonormal(columns_[s], round_off * lengths_[s]));
+    }
+    /// By all fields that are offered and not chosen, beyond what is chosen.
+    double expected_of_fields() const {
+        std::vector<std::size_t> of_fields;
+        for (std::size_t s = 0; s < columns_.size(); ++s)
+            if (splits_[s].field >= 0 && !splits_[s].chosen) of_fields.push_back(s);
+        MatrixXd columns(open_.size(), static_cast<Eigen::Index>(of_fields.size()));
+        for (std::size_t k = 0; k < of_fields.size(); ++k)
+            columns.col(static_cast<Eigen::Index>(k)) = columns_[of_fields[k]] / lengths_[of_fields[k]];
+        return (orthonormal(columns, round_off).transpose() * open_).squaredNorm() / (2 * facts_.curvature);
+    }
+    double wanted_of_all() const {
+        const Parameters& p = facts_.space.rest->parameters;
+        return (p.offers_fields_by_steps ? p.marking_fraction : marked_fields) * all_;
+    }
+    /// What fields are taken for where so much is held: beside patches that come one by one, of what fields can do.
+    double wanted_of_fields(double held) const {
+        if (!below_.takes_single_patches) return wanted_of_all();
+        return std::min(wanted_of_all(), marked_fields * (held + expected_of_fields()));
+    }
+
     /// No patch has finer parts: the next step of fields.
     LevelSet with_more_fields(RefinementPlan& plan) const {
         const DesignSpace& space = facts_.space;
-        LevelSet next = refined(space, {*space.front}, std::vector<char>(space.front->depth.size(), 0), {});
+        LevelSet next = level_set_of(space);
         next.fields = more_fields(space.rest->parameters, space.fields);
         const auto more = next.fields.numbers.size() - space.fields.numbers.size();
         plan.fields_at_once = static_cast<int>(more);
@@ -298,7 +210,7 @@ private:
         std::optional<std::size_t> best;
         for (std::size_t s = 0; s < splits_.size(); ++s) {
             SplitDecrease& split = splits_[s];
-            if (split.chosen || (fields_alone && split.field < 0)) continue;
+            if (split.chosen || (fields_alone && split.field < 0) || is_taken(split)) continue;
             if (!columns_.empty())
                 split.decrease = (orthonormal(columns_[s], round_off * lengths_[s]).transpose() * open_).squaredNorm() /
                                  (2 * facts_.curvature);
@@ -308,6 +220,10 @@ private:
                 best = s;
         }
         return best;
+    }
+    /// Patches of which it is made have variables already, of this patch or others.
+    bool is_taken(const SplitDecrease& split) const {
+        return std::ranges::any_of(split.covered, [&](int p) { return is_covered_[p] != 0; });
     }
     /// Patches have about as many parts each; beside fields, which come one by one, the number counts.
     double worth(const SplitDecrease& split) const {
@@ -321,12 +237,13 @@ private:
     const DesignFacts& facts_;
     double max_variables_, min_per_variable_, all_ = 0;
     int max_splits_;
-    const std::vector<Front>& passed_;
+    const Prospect& below_;
     std::vector<SplitDecrease> splits_;
     MatrixXd known_;                 ///< orthonormal: what is reached without splits
     VectorXd open_;                  ///< what no chosen split can do yet
     std::vector<MatrixXd> columns_;  ///< per split: its variables, whitened, beyond what is chosen
     std::vector<double> lengths_;
+    std::vector<char> is_covered_;  ///< per patch of the children: it is part of a chosen split
 };
 
 /// Expected decrease by all variables of the space.
@@ -341,7 +258,7 @@ bool has_finer(const DesignSpace& space) {
     const Parameters& p = space.rest->parameters;
     if (more_fields(p, space.fields).numbers.size() > space.fields.numbers.size()) return true;
     if (p.kinds.empty()) return false;  // finer patches without variables
-    if (!space.has_patches) return true;
+    if (!space.has_patches || std::ranges::count(space.resting, 1) > 0) return true;
     const std::vector<int> parts = parts_of(*space.rest->tree, *space.front);
     return *std::max_element(parts.begin(), parts.end()) > 1;
 }
@@ -356,9 +273,23 @@ LevelSet refined_everywhere(const DesignSpace& space) {
     return next;
 }
 
+namespace {
+
+/// With what the space itself can do.
+Prospect analyzed(Prospect below) {
+    below.metric.compute(below.children.space.metric);
+    below.inherited = below.metric.matrixU() * below.children.prolongation;
+    below.known = span_of(below.inherited);
+    return below;
+}
+
+}  // namespace
+
 std::optional<Prospect> prospect(const DesignSpace& space, const VectorXd& x, int depth) {
     const PatchHierarchy& tree = *space.rest->tree;
     if (!has_finer(space)) return {};
+    if (space.rest->takes_single_patches && depth > 1) return {};  // its parts are of all depths
+    if (space.rest->takes_single_patches) return analyzed(prospect_of_single_patches(space, x));
     Prospect below;
     below.passed = {*space.front};
     for (int k = 1; k < depth; ++k) {
@@ -372,10 +303,7 @@ std::optional<Prospect> prospect(const DesignSpace& space, const VectorXd& x, in
     below.children = refine(space, x, all);
     below.splits = possible_splits(space, below.children.space, below.passed);
     below.parts = parts_of(tree, *space.front);
-    below.metric.compute(below.children.space.metric);
-    below.inherited = below.metric.matrixU() * below.children.prolongation;
-    below.known = span_of(below.inherited);
-    return below;
+    return analyzed(std::move(below));
 }
 
 double expected_decrease_of(const DesignFacts& facts, const Prospect& below) {
@@ -422,7 +350,8 @@ RefinementPlan plan_refinement(const DesignFacts& facts, const Forecast& forecas
     const double max_variables = parameters.max_variable_ratio * std::max(1, facts.space.size());
     RefinementPlan plan = first_round(facts, forecast.below, max_variables, min_per_variable);
     InheritedSpace present{facts.space, facts.x, {}};
-    while (parameters.split == SplitRule::sensitivity && plan.variables_after < max_variables) {
+    const bool may_go_on = parameters.split == SplitRule::sensitivity && !forecast.below.takes_single_patches;
+    while (may_go_on && plan.variables_after < max_variables) {
         present = refine(present.space, present.x, plan.next);
         const DesignFacts next{present.space, present.x, facts.lagrangian, facts.curvature, facts.dJ_dv};
         const std::optional<Prospect> below = prospect(present.space, present.x);
@@ -441,29 +370,45 @@ RefinementPlan plan_refinement(const DesignFacts& facts, const Forecast& forecas
     return plan;
 }
 
+namespace {
+
+/// How many of what there is are chosen.
+std::string counted(const std::vector<SplitDecrease>& splits) {
+    struct Count {
+        int chosen = 0, all = 0;
+    } fields, whole, single;
+    for (const SplitDecrease& split : splits) {
+        Count& count = split.field >= 0 ? fields : split.patches.empty() ? single : whole;
+        ++count.all;
+        count.chosen += split.chosen;
+    }
+    std::vector<std::string> parts;
+    if (fields.all > 0) parts.push_back(text("takes ", fields.chosen, " of ", fields.all, " fields"));
+    if (whole.all > 0 || splits.empty()) parts.push_back(text("splits ", whole.chosen, " of ", whole.all));
+    if (single.all > 0) parts.push_back(text("gives variables to ", single.chosen, " patches of ", single.all));
+    std::string words = parts[0];
+    for (std::size_t k = 1; k < parts.size(); ++k) words += (k + 1 == parts.size() ? " and " : ", ") + parts[k];
+    return words;
+}
+
+}  // namespace
+
 std::string RefinementPlan::words() const {
     if (fields_at_once > 0)
         return text("no patch has finer parts, takes the next ", fields_at_once, " fields; ", variables_before, " -> ",
                     variables_after, " variables");
-    int of_patches = 0, all_of_patches = 0, of_fields = 0, all_of_fields = 0;
     std::string names;
+    int named = 0;
     for (const SplitDecrease& split : splits) {
-        const bool is_field = split.field >= 0;
-        ++(is_field ? all_of_fields : all_of_patches);
         if (!split.chosen) continue;
-        const int count = of_patches + of_fields;
-        ++(is_field ? of_fields : of_patches);
-        if (count < 4) names += text(names.empty() ? "" : ", ", split.names, " ", percent(split.decrease / expected));
-        if (count == 4) names += ", ...";
+        if (named < 4) names += text(names.empty() ? "" : ", ", split.names, " ", percent(split.decrease / expected));
+        if (named++ == 4) names += ", ...";
     }
-    std::string what =
+    const std::string what =
         depth > 1 ? text("parts of patches promise too little, their own parts more (depth ", depth, "): ") : "";
-    if (all_of_fields > 0) what += text("takes ", of_fields, " of ", all_of_fields, " fields");
-    if (all_of_patches > 0 || all_of_fields == 0)
-        what += text(all_of_fields == 0 ? "" : " and ", "splits ", of_patches, " of ", all_of_patches);
-    return text(what, " (", names, "), which hold ", expected > 0 ? std::round(1000 * chosen / expected) / 10 : 100.0,
-                " % of the expected decrease of ", expected, "; ", variables_before, " -> ", variables_after,
-                " variables");
+    return text(what, counted(splits), " (", names, "), which hold ",
+                expected > 0 ? std::round(1000 * chosen / expected) / 10 : 100.0, " % of the expected decrease of ",
+                expected, "; ", variables_before, " -> ", variables_after, " variables");
 }
 
 MatrixXd carried_hessian(const MatrixXd& parent_hessian, const MatrixXd& prolongation, const MatrixXd& child_metric,

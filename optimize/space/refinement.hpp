@@ -7,12 +7,23 @@
 /// children of every patch would have is known from one adjoint solve before they exist (docs/theory-optimize.md).
 namespace strake {
 
+/// A patch of some front of the tree.
+struct PatchPart {
+    int triangle = 0;   ///< its first
+    int triangles = 0;  ///< how many
+};
+
 /// The expected decrease by splitting a patch (or patches that are tied), or by a field more.
 struct SplitDecrease {
     std::vector<int> patches;  ///< ids in the front, the last that is passed
     int field = -1;            ///< number in `Parameters::fields`; -1: patches are split
     std::string names;
     std::vector<int> variables;  ///< of the children
+    /// Where patches are taken one by one: those that have variables then, and the patches of the children of which
+    /// they are made.
+    std::vector<PatchPart> parts{};
+    std::vector<int> covered{};
+    Eigen::MatrixXd directions{};  ///< of the variables, by those of the children; empty: they are `variables` of these
     int new_variables = 0;
     double decrease = 0;  ///< by sensitivity: expected decrease of the objective (or its Lagrangian) beyond what the
                           ///< splits before it give; by gradient: integral of |dJ/dv| over the patches
@@ -50,6 +61,7 @@ LevelSet refined_everywhere(const DesignSpace& space);
 /// variables, metric and prolongation.
 struct Prospect {
     InheritedSpace children;
+    bool takes_single_patches = false;  ///< `RestFacts::takes_single_patches`
     /// The space's own front, and those that are passed over: the patches of the last one are split.
     std::vector<Front> passed;
     std::vector<int> parts;             ///< per patch of the space

@@ -58,7 +58,7 @@ const TriMesh& RestFacts::elastic() const { return wrap ? wrap->mesh() : surface
 
 const Adjacency& RestFacts::elastic_adjacent() const { return wrap ? wrap->adjacent() : adjacent; }
 
-std::shared_ptr<const RestFacts> rest_facts(const Problem& problem, double energy_share) {
+std::shared_ptr<const RestFacts> rest_facts(const Problem& problem, double energy_share, bool takes_single_patches) {
     auto rest = std::make_shared<RestFacts>();
     check(problem.parameters, problem.surface.num_vertices(), elastic_surface(problem).num_triangles());
     check_parameters(problem.program_parameters);
@@ -73,6 +73,7 @@ std::shared_ptr<const RestFacts> rest_facts(const Problem& problem, double energ
     rest->vertex_area = vertex_areas(problem.surface);
     rest->diagonal = box_diagonal(problem.surface);
     rest->energy_share = energy_share;
+    rest->takes_single_patches = takes_single_patches;
     rest->given_traction = problem.given_traction;
     rest->tree = std::make_shared<const PatchHierarchy>(problem.tree);
     rest->parameters = problem.parameters;

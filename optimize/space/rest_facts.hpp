@@ -20,7 +20,9 @@ struct RestFacts {
     Eigen::VectorXd wrap_vertex_area;     ///< of the wrap; empty: there is none
     double diagonal = 0;                  ///< of the surface
     double energy_share = 1;              ///< of elastic energies that the metric counts
-    bool has_shell = true;                ///< `Problem::has_shell`
+    /// Beside fields, patches get variables one by one as they promise, the others rest: by gradients alone.
+    bool takes_single_patches = false;
+    bool has_shell = true;  ///< `Problem::has_shell`
     ShellSetup setup;
     Points given_traction;  ///< m x 3, or empty
     std::shared_ptr<const PatchHierarchy> tree;
@@ -35,8 +37,9 @@ struct RestFacts {
     const Adjacency& elastic_adjacent() const;
     const Eigen::VectorXd& elastic_vertex_area() const { return wrap ? wrap_vertex_area : vertex_area; }
 };
-/// @param energy_share see there; > 0
+/// @param energy_share, takes_single_patches see there; > 0
 /// @throws InvalidInput: limits of `Parameters`, no plane of symmetry where one is asked for, and as `shell_setup`.
-std::shared_ptr<const RestFacts> rest_facts(const Problem& problem, double energy_share = 1);
+std::shared_ptr<const RestFacts> rest_facts(const Problem& problem, double energy_share = 1,
+                                            bool takes_single_patches = false);
 
 }  // namespace strake

@@ -66,6 +66,7 @@ TEST(MethodChoice, PatchesJoinFieldsForWhatTheseCannotDo) {
     problem.objective = "match";
     problem.maximize = false;
     problem.optimize.max_evaluations = 25;
+    problem.optimize.refines_whole_fronts = true;  // single patches have tests of their own
     const auto left = [&](bool as_before) {
         problem.optimize.counts_whole_energy = problem.optimize.sees_parts_alone = as_before;
         const RunResult result = optimize(problem);

@@ -112,8 +112,9 @@ std::vector<Key> split_keys() {
         {.path = "parameters.split",
          .type = Type::word,
          .doc = "Patches that the next level splits: all; sensitivity: those with the largest expected decrease, from "
-                "the sensitivities of their potential children; gradient: those with the largest integral of the "
-                "objective's gradient (the paper's rule).",
+                "the sensitivities of their potential children (beside fields, by exact gradients and of loads, single "
+                "patches of any level, and those beside them have no variables); gradient: those with the largest "
+                "integral of the objective's gradient (the paper's rule).",
          .fallback = "all",
          .words = {"all", "sensitivity", "gradient"}},
         {.path = "parameters.split", .doc = "Exactly one of largest, containing."},

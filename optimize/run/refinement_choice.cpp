@@ -18,7 +18,9 @@ std::string RefinementChoice::words() const {
                 times == 1 ? ""
                 : probed   ? text("; by the values ", times, " times that")
                            : text("; the last one gave ", times, " times what was expected"),
-                looked > 1 ? text("; too little, and so are parts of parts (to depth ", looked, ")") : "");
+                looked == 1      ? ""
+                : single_patches ? "; too little, and so are patches by themselves"
+                                 : text("; too little, and so are parts of parts (to depth ", looked, ")"));
 }
 
 /// As long as a level could have all of them: the look costs a response at rest for each.
@@ -37,14 +39,16 @@ int RefinementScale::max_depth(const DesignSpace& space) const {
 
 std::optional<RefinementChoice> RefinementScale::choose(const DesignFacts& facts) const {
     std::optional<RefinementChoice> choice = weigh(facts, 1);
-    const bool may_look = choice && choice->is_idle && !state_.problem.optimize.sees_parts_alone &&
-                          !facts.space.rest->takes_single_patches;
-    const int deepest = may_look ? max_depth(facts.space) : 1;
+    const bool may_look = choice && choice->is_idle && !state_.problem.optimize.sees_parts_alone;
+    const bool single_patches = facts.space.rest->takes_single_patches;
+    // Fields are stiff beside patches: in a step of both they hide how soft values are on what patches do.
+    const int deepest = !may_look ? 1 : single_patches ? 2 : max_depth(facts.space);
     for (int depth = 2; depth <= deepest; ++depth) {
         std::optional<RefinementChoice> deeper = weigh(facts, depth);
         if (!deeper) break;
         if (!deeper->is_idle) return deeper;
         choice->looked = depth;
+        choice->single_patches = single_patches;
     }
     return choice;
 }

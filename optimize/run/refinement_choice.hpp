@@ -16,6 +16,7 @@ struct RefinementChoice {
     double times = 1;              ///< of the plan's expected decreases, what is expected
     bool is_idle = false;          ///< too little for what the plan costs
     int looked = 1;                ///< to this depth, in vain
+    bool single_patches = false;   ///< these were looked at, by themselves
     std::string words() const;     ///< one line
 };
 
@@ -32,8 +33,9 @@ public:
           knows_curvature_(knows_curvature),
           is_in_noise_(is_in_noise) {}
 
-    /// By the parts of patches and fields; where these promise too little by parts of parts, and so on to the finest
-    /// that a level could have all of (`Parameters::max_variable_ratio`). None: there is nothing finer.
+    /// Single patches: with fields, then by themselves. Else by the parts of patches and fields; where these promise
+    /// too little by parts of parts, and so on to the finest that a level could have all of
+    /// (`Parameters::max_variable_ratio`). None: there is nothing finer.
     std::optional<RefinementChoice> choose(const DesignFacts& facts) const;
 
 private:

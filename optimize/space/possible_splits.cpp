@@ -17,7 +17,7 @@ std::vector<std::vector<int>> by_group(const DesignSpace& space, const std::vect
 }
 
 /// How many variables a split adds to a patch that no space has: it would have as many as the first of its parts.
-int added_by_parts(const Parts& parts, const std::vector<int>& variables) {
+int added_by_parts(const PartsOfPatches& parts, const std::vector<int>& variables) {
     std::map<int, int> first;  // part, by owner
     return static_cast<int>(std::ranges::count_if(variables, [&](int j) {
         const int part = parts.child.variables[j].patch;
@@ -27,11 +27,11 @@ int added_by_parts(const Parts& parts, const std::vector<int>& variables) {
 
 }  // namespace
 
-Parts::Parts(const DesignSpace& parts, const Front& front) : child(parts), above(front) {
+PartsOfPatches::PartsOfPatches(const DesignSpace& parts, const Front& front) : child(parts), above(front) {
     for (const Patch& patch : child.patches().patches) owner.push_back(above.patches.label[patch.triangles.front()]);
 }
 
-std::vector<int> split_groups(const DesignSpace* parent, const Parts& parts) {
+std::vector<int> split_groups(const DesignSpace* parent, const PartsOfPatches& parts) {
     std::vector<int> root(parts.above.depth.size());
     std::iota(root.begin(), root.end(), 0);
     const auto find = [&](int p) {
@@ -69,7 +69,7 @@ void offer_fields(const DesignSpace& parent, const DesignSpace& child, std::vect
 
 std::vector<SplitDecrease> possible_splits(const DesignSpace& parent, const DesignSpace& child,
                                            const std::vector<Front>& passed) {
-    const Parts parts(child, passed.back());
+    const PartsOfPatches parts(child, passed.back());
     const std::vector<int> number = parts_of(*parent.rest->tree, parts.above);
     const bool is_next = passed.size() == 1;
     const std::vector<int> group = split_groups(is_next ? &parent : nullptr, parts);
@@ -114,6 +114,10 @@ LevelSet refined(const DesignSpace& space, const std::vector<Front>& passed, std
         next.front = split_front(*space.rest->tree, next.front, here);
     }
     for (Patch& patch : next.front.patches.patches) patch.parent = space.patches().label[patch.triangles.front()];
+    if (!space.resting.empty()) {
+        next.resting.clear();
+        for (const Patch& patch : next.front.patches.patches) next.resting.push_back(space.resting[patch.parent]);
+    }
     next.fields = with_fields(space, fields);
     return next;
 }

@@ -5,18 +5,18 @@
 namespace strake {
 
 /// Parts of patches: the front that they are parts of, and of which of its patches each is one.
-struct Parts {
+struct PartsOfPatches {
     const DesignSpace& child;
     const Front& above;
     std::vector<int> owner;  ///< by the child's patches
 
-    Parts(const DesignSpace& parts, const Front& front);
+    PartsOfPatches(const DesignSpace& parts, const Front& front);
 };
 
 /// Patches that have to be split together because variables tie their children, or themselves: per patch of the front
 /// above the first of its group.
 /// @param parent whose front the patches are; null: no space has them
-std::vector<int> split_groups(const DesignSpace* parent, const Parts& parts);
+std::vector<int> split_groups(const DesignSpace* parent, const PartsOfPatches& parts);
 
 /// A split each for the fields that the child has and the parent has not.
 void offer_fields(const DesignSpace& parent, const DesignSpace& child, std::vector<SplitDecrease>& splits);

@@ -288,8 +288,11 @@ Prospect analyzed(Prospect below) {
 std::optional<Prospect> prospect(const DesignSpace& space, const VectorXd& x, int depth) {
     const PatchHierarchy& tree = *space.rest->tree;
     if (!has_finer(space)) return {};
-    if (space.rest->takes_single_patches && depth > 1) return {};  // its parts are of all depths
-    if (space.rest->takes_single_patches) return analyzed(prospect_of_single_patches(space, x));
+    if (space.rest->takes_single_patches) {
+        const bool has_loads = !space.rest->parameters.kinds.empty();
+        if (depth > 2 || (depth == 2 && !has_loads)) return {};
+        return analyzed(prospect_of_single_patches(space, x, depth == 1));
+    }
     Prospect below;
     below.passed = {*space.front};
     for (int k = 1; k < depth; ++k) {
@@ -385,7 +388,10 @@ std::string counted(const std::vector<SplitDecrease>& splits) {
     std::vector<std::string> parts;
     if (fields.all > 0) parts.push_back(text("takes ", fields.chosen, " of ", fields.all, " fields"));
     if (whole.all > 0 || splits.empty()) parts.push_back(text("splits ", whole.chosen, " of ", whole.all));
-    if (single.all > 0) parts.push_back(text("gives variables to ", single.chosen, " patches of ", single.all));
+    if (single.chosen > 0)
+        parts.push_back(text("gives variables to ", single.chosen, single.chosen == 1 ? " patch" : " patches", " of ",
+                             single.all, " on all levels"));
+    if (parts.empty()) parts.push_back("gives variables to no patch");
     std::string words = parts[0];
     for (std::size_t k = 1; k < parts.size(); ++k) words += (k + 1 == parts.size() ? " and " : ", ") + parts[k];
     return words;

@@ -72,7 +72,7 @@ struct Prospect {
 };
 /// None where no patch has parts, and all fields are there. Cost: the responses at rest that are not known yet.
 /// @param depth levels of the tree, >= 1: from 2 on parts of parts (of parts), as if there were none between; none
-/// where they have no parts
+/// where they have no parts. Where patches are taken one by one, parts are of all depths: 1, with fields; 2, without
 std::optional<Prospect> prospect(const DesignSpace& space, const Eigen::VectorXd& x, int depth = 1);
 
 /// The expected decrease by all details together: with g the gradient and M the metric of all children and P the

@@ -37,15 +37,17 @@ std::vector<Front> fronts_below(const DesignSpace& space) {
 }
 
 /// Groups of the patches of a space that share variables: per patch the first of its group.
-std::vector<int> groups_of(const DesignSpace& space) { return split_groups(&space, Parts(space, *space.front)); }
+std::vector<int> groups_of(const DesignSpace& space) {
+    return split_groups(&space, PartsOfPatches(space, *space.front));
+}
 
-/// Everything on the fronts, each from the one before.
-std::vector<InheritedSpace> spaces_on(const std::vector<Front>& fronts, std::size_t first, const DesignSpace& space,
-                                      const Eigen::VectorXd& x) {
+/// Everything on the fronts, with these fields, each from the one before.
+std::vector<InheritedSpace> spaces_on(const std::vector<Front>& fronts, std::size_t first, const FieldSet& fields,
+                                      const DesignSpace& space, const Eigen::VectorXd& x) {
     std::vector<InheritedSpace> all;
     for (std::size_t k = first; k < fronts.size(); ++k)
         all.push_back(refine(all.empty() ? space : all.back().space, all.empty() ? x : all.back().x,
-                             {fronts[k], offered_fields(space.rest->parameters, space.fields), true, {}}));
+                             {fronts[k], fields, true, {}}));
     return all;
 }
 
@@ -84,31 +86,30 @@ std::vector<int> covered_by(const std::vector<int>& group, int g, const Front& c
     return covered;
 }
 
-/// A group of patches that have variables, split once.
-SplitDecrease split_together(const DesignSpace& space, const std::vector<Front>& fronts, const DesignSpace& finest,
-                             const std::vector<int>& group, int g) {
-    SplitDecrease split;
-    for (const Patch& part : fronts[1].patches.patches)
-        if (group[owner_in(fronts[0], part)] == g) add_part(split, part);
-    for (const Patch& patch : fronts[0].patches.patches)
-        if (group[patch.id] == g) split.patches.push_back(patch.id), name_patch(split, patch);
-    split.variables =
-        variables_in(finest, g, [&](int patch) { return group[owner_in(fronts[0], finest.patches().patches[patch])]; });
-    const auto before = variables_in(space, g, [&](int patch) { return group[patch]; });
-    split.new_variables = static_cast<int>(split.variables.size()) - static_cast<int>(before.size());
-    split.covered = covered_by(group, g, fronts[0], fronts.back());
-    return split;
-}
-
-/// Patches that have variables and finer parts.
-void offer_splits(const DesignSpace& space, const std::vector<Front>& fronts, const DesignSpace& finest,
+/// Patches that have variables, split once; what is at rest comes along where they are tied to it.
+/// @param on_parts with the first of the finer fronts
+void offer_splits(const DesignSpace& space, const DesignSpace& on_parts, const Front& finest, const MatrixXd& to_finest,
                   std::vector<SplitDecrease>& splits) {
-    if (!space.has_patches || fronts.size() == 1) return;
-    const std::vector<int> group = split_groups(&space, Parts(finest, fronts[0]));
-    for (const Patch& patch : fronts[0].patches.patches) {
-        if (group[patch.id] != patch.id || rests(space, patch)) continue;
-        SplitDecrease split = split_together(space, fronts, finest, group, patch.id);
-        if (split.new_variables > 0) splits.push_back(std::move(split));
+    const Front& front = *space.front;
+    const std::vector<int> group = split_groups(&space, PartsOfPatches(on_parts, front));
+    std::vector<char> has_variables(group.size(), 0);
+    for (const Patch& patch : front.patches.patches) has_variables[group[patch.id]] |= !rests(space, patch);
+    const auto group_of_part = [&](const Patch& part) { return group[owner_in(front, part)]; };
+    for (int g = 0; g < static_cast<int>(group.size()); ++g) {
+        if (!has_variables[g]) continue;
+        SplitDecrease split;
+        for (const Patch& part : on_parts.patches().patches)
+            if (group_of_part(part) == g) add_part(split, part);
+        for (const Patch& patch : front.patches.patches)
+            if (group[patch.id] == g) split.patches.push_back(patch.id), name_patch(split, patch);
+        split.variables =
+            variables_in(on_parts, g, [&](int part) { return group_of_part(on_parts.patches().patches[part]); });
+        const auto before = variables_in(space, g, [&](int patch) { return group[patch]; });
+        split.new_variables = static_cast<int>(split.variables.size()) - static_cast<int>(before.size());
+        if (split.new_variables <= 0) continue;
+        split.covered = covered_by(group, g, front, finest);
+        if (to_finest.size() > 0) split.directions = to_finest(Eigen::all, split.variables);
+        splits.push_back(std::move(split));
     }
 }
 
@@ -134,20 +135,21 @@ void offer_takes(const DesignSpace& space, const DesignSpace& on_front, const Fr
 
 }  // namespace
 
-Prospect prospect_of_single_patches(const DesignSpace& space, const Eigen::VectorXd& x) {
+Prospect prospect_of_single_patches(const DesignSpace& space, const Eigen::VectorXd& x, bool offers_fields) {
     const std::vector<Front> fronts = fronts_below(space);
-    // Where no patch has variables yet the first front is the whole body, which fields move better.
-    const std::size_t first = space.has_patches || fronts.size() == 1 ? 0 : 1;
-    std::vector<InheritedSpace> on = spaces_on(fronts, first, space, x);
+    // Where no patch has variables yet the first front mostly is the whole body, which fields move better.
+    const std::size_t first = space.has_patches || fronts.size() == 1 || fronts[0].depth.size() > 1 ? 0 : 1;
+    const FieldSet fields = offers_fields ? offered_fields(space.rest->parameters, space.fields) : space.fields;
+    std::vector<InheritedSpace> on = spaces_on(fronts, first, fields, space, x);
     Prospect below;
     below.takes_single_patches = true;
     below.passed = {*space.front};
     below.parts = parts_of(*space.rest->tree, *space.front);
-    offer_splits(space, fronts, on.back().space, below.splits);
     std::vector<MatrixXd> to_finest(on.size());
     for (std::size_t k = on.size() - 1; k-- > 0;)
         to_finest[k] =
             to_finest[k + 1].size() > 0 ? MatrixXd(to_finest[k + 1] * on[k + 1].prolongation) : on[k + 1].prolongation;
+    if (space.has_patches && on.size() > 1) offer_splits(space, on[1].space, fronts.back(), to_finest[1], below.splits);
     for (std::size_t k = 0; k < on.size(); ++k)
         offer_takes(space, on[k].space, k > 0 ? &fronts[first + k - 1] : nullptr, fronts.back(), to_finest[k],
                     below.splits);

@@ -9,7 +9,7 @@ namespace strake {
 /// parts of them on any level, can be taken, those that have variables be split, fields be added.
 /// @returns without `metric`, `inherited` and `known`.
 /// @pre has_finer(space)
-Prospect prospect_of_single_patches(const DesignSpace& space, const Eigen::VectorXd& x);
+Prospect prospect_of_single_patches(const DesignSpace& space, const Eigen::VectorXd& x, bool offers_fields);
 
 /// The space with these of its prospect: patches at rest are split as far as the taken ones need, what is beside these
 /// rests on.

@@ -52,7 +52,10 @@ struct SinglePatches {
         const DesignFacts facts{space, x, e.sensitivities[0], 2, e.dJ_dv[0]};
         const auto forecast = make_forecast(facts);
         EXPECT_TRUE(forecast);
-        EXPECT_FALSE(make_forecast(facts, 2)) << "parts of all depths are in the first";
+        const auto by_themselves = make_forecast(facts, 2);
+        EXPECT_TRUE(by_themselves);
+        EXPECT_TRUE(std::ranges::all_of(by_themselves->below.splits, [](const auto& s) { return s.field < 0; }));
+        EXPECT_FALSE(make_forecast(facts, 3)) << "parts of all depths are in the first";
         return plan_refinement(facts, *forecast, 1e-2 * forecast->decrease);
     }
 
@@ -91,7 +94,7 @@ TEST(SinglePatches, OneOctantIsTakenAndThoseBesideItRest) {
     const Eigen::VectorXd x = 0.01 * random_vector(fields.size(), 3);
     const RefinementPlan plan = bump.plan(fields, x);
     ASSERT_FALSE(plan.splits.empty());
-    EXPECT_NE(plan.words().find("gives variables to 1 patches of "), std::string::npos) << plan.words();
+    EXPECT_NE(plan.words().find("gives variables to 1 patch of "), std::string::npos) << plan.words();
     const InheritedSpace next = refine(fields, x, plan.next);
     EXPECT_EQ(next.space.size(), plan.variables_after);
     EXPECT_EQ(patches_with_variables(next.space).size(), 1u);

@@ -110,7 +110,7 @@ TEST(SinglePatches, OneOctantIsTakenAndThoseBesideItRest) {
 }
 
 /// Its octants could do the same, at four variables for one.
-TEST(SinglePatches, OfPatchesOfAllDepthsTheOneThatGivesMostForAVariableIsTaken) {
+TEST(SinglePatches, OfPatchesOfAllDepthsTheLargestGainForEachVariableIsTaken) {
     const SinglePatches swell([](const Eigen::RowVector3d& c) { return c[0] > 0; });
     const DesignSpace fields = design_space(swell.rest, 0);
     const Eigen::VectorXd x = Eigen::VectorXd::Zero(fields.size());

@@ -2,6 +2,7 @@
 
 #include "core/error.hpp"
 #include "optimize/nlp/program/methods.hpp"
+#include "optimize/space/design_space.hpp"
 
 #include <algorithm>
 

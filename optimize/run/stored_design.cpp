@@ -6,6 +6,7 @@
 #include "optimize/evaluate/evaluation.hpp"
 #include "optimize/space/parameters.hpp"
 
+#include <algorithm>
 #include <cstdint>
 
 namespace strake {

@@ -494,8 +494,6 @@ TEST(ModelRun, AVariableWithoutEffectAndAConstantObjectiveAreTold) {
     EXPECT_LT(told.result.evaluations, 40);
 }
 
-}  // namespace strake
-
 /// Where the finest patches have come to rest with evaluations left, fields are searched beside them, first few.
 TEST(ModelRun, FieldsComeBackBesideTheFinestPatches) {
     Problem problem = with_bump(420);
@@ -523,3 +521,5 @@ TEST(ModelRun, FieldsComeBackBesideTheFinestPatches) {
     optimize(problem, events);
     EXPECT_EQ(notes.find("come back"), std::string::npos) << "a run of before";
 }
+
+}  // namespace strake

@@ -289,8 +289,7 @@ std::optional<Prospect> prospect(const DesignSpace& space, const VectorXd& x, in
     const PatchHierarchy& tree = *space.rest->tree;
     if (!has_finer(space)) return {};
     if (space.rest->takes_single_patches) {
-        const bool has_loads = !space.rest->parameters.kinds.empty();
-        if (depth > 2 || (depth == 2 && !has_loads)) return {};
+        if (depth > 2) return {};
         return analyzed(prospect_of_single_patches(space, x, depth == 1));
     }
     Prospect below;

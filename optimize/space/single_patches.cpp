@@ -51,12 +51,11 @@ std::vector<InheritedSpace> spaces_on(const std::vector<Front>& fronts, std::siz
     return all;
 }
 
-/// Shape variables of the patches of a group; `group_of(variable)` is that of a patch.
-template <class GroupOf>
-std::vector<int> variables_in(const DesignSpace& space, int g, const GroupOf& group_of) {
+/// Shape variables of the patches of a group.
+std::vector<int> variables_in(const DesignSpace& space, const std::vector<int>& group, int g) {
     std::vector<int> variables;
     for (int j = 0; j < space.num_shape(); ++j)
-        if (space.variables[j].patch >= 0 && group_of(space.variables[j].patch) == g) variables.push_back(j);
+        if (space.variables[j].patch >= 0 && group[space.variables[j].patch] == g) variables.push_back(j);
     return variables;
 }
 
@@ -68,12 +67,12 @@ void add_part(SplitDecrease& split, const Patch& patch) {
     split.parts.push_back({patch.triangles.front(), static_cast<int>(patch.triangles.size())});
 }
 
-/// A group of patches of a front that could have variables: those that are at rest in the space.
+/// A group of patches of a front, which then all have variables.
 SplitDecrease taken_together(const DesignSpace& on_front, const std::vector<int>& group, int g) {
     SplitDecrease take;
     for (const Patch& patch : on_front.patches().patches)
         if (group[patch.id] == g) add_part(take, patch), name_patch(take, patch);
-    take.variables = variables_in(on_front, g, [&](int patch) { return group[patch]; });
+    take.variables = variables_in(on_front, group, g);
     take.new_variables = static_cast<int>(take.variables.size());
     return take;
 }
@@ -94,18 +93,15 @@ void offer_splits(const DesignSpace& space, const DesignSpace& on_parts, const F
     const std::vector<int> group = split_groups(&space, PartsOfPatches(on_parts, front));
     std::vector<char> has_variables(group.size(), 0);
     for (const Patch& patch : front.patches.patches) has_variables[group[patch.id]] |= !rests(space, patch);
-    const auto group_of_part = [&](const Patch& part) { return group[owner_in(front, part)]; };
+    std::vector<int> group_of_part;
+    for (const Patch& part : on_parts.patches().patches) group_of_part.push_back(group[owner_in(front, part)]);
     for (int g = 0; g < static_cast<int>(group.size()); ++g) {
         if (!has_variables[g]) continue;
-        SplitDecrease split;
-        for (const Patch& part : on_parts.patches().patches)
-            if (group_of_part(part) == g) add_part(split, part);
+        SplitDecrease split = taken_together(on_parts, group_of_part, g);
+        split.names.clear();  // those of the patches
         for (const Patch& patch : front.patches.patches)
             if (group[patch.id] == g) split.patches.push_back(patch.id), name_patch(split, patch);
-        split.variables =
-            variables_in(on_parts, g, [&](int part) { return group_of_part(on_parts.patches().patches[part]); });
-        const auto before = variables_in(space, g, [&](int patch) { return group[patch]; });
-        split.new_variables = static_cast<int>(split.variables.size()) - static_cast<int>(before.size());
+        split.new_variables -= static_cast<int>(variables_in(space, group, g).size());
         if (split.new_variables <= 0) continue;
         split.covered = covered_by(group, g, front, finest);
         if (to_finest.size() > 0) split.directions = to_finest(Eigen::all, split.variables);

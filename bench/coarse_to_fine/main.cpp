@@ -45,6 +45,7 @@ constexpr EarlierWay earlier_ways[] = {
     {"--whole-batches", &OptimizeOptions::begins_with_whole_batches,
      "model asks whole batches on the first level of fields, too"},
     {"--parts-alone", &OptimizeOptions::sees_parts_alone, "refinement looks at parts of patches alone, never deeper"},
+    {"--ignore-waves", &OptimizeOptions::ignores_waves, "steps are not watched for waves of many minima"},
     {"--whole-fronts", &OptimizeOptions::refines_whole_fronts, "beside fields all patches of a front have variables"},
     {"--whole-energies", &OptimizeOptions::counts_whole_energy, "elastic energies count wholly beside fields"},
     {"--ignores-symmetry", &OptimizeOptions::ignores_symmetry, "model searches symmetric designs among all others"},

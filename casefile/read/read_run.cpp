@@ -14,7 +14,10 @@ void CaseReader::read_optimize(const Value& map) {
     set(o.finite_differences, map.find("finite_differences"));
     if (const Value* v = map.find("symmetry")) o.ignores_symmetry = v->number == 0;
     set(o.difference_step, map.find("difference_step"));
-    set(o.starts, map.find("starts"));
+    if (const Value* v = map.find("starts"); v && v->text != "auto") {
+        set(o.starts, v);
+        o.ignores_waves = true;
+    }
     if (const Value* v = map.find("seed")) o.seed = static_cast<unsigned>(v->number);
     if (const Value* v = map.find("start_from")) {
         case_.start_from = dir_ / v->text;

@@ -74,9 +74,12 @@ std::vector<Key> method_keys() {
         {.path = "optimize.starts",
          .type = Type::integer,
          .doc = "Number of starting points on the first level: the start shape, then random ones within the bounds. "
-                "Not for fit.",
-         .fallback = "1",
-         .limits = at_least_one},
+                "auto: the start shape; by gradients, with fields and split: sensitivity, where values go up and down "
+                "along the steps (many minima), the first fields are searched from there to their end before any "
+                "others join, and once more from random changes of them. Not for fit.",
+         .fallback = "auto",
+         .limits = at_least_one,
+         .words = {"auto"}},
         {.path = "optimize.seed",
          .type = Type::integer,
          .doc = "Seed of the random numbers. Not for fit.",

@@ -24,7 +24,7 @@ struct RunLimits {
 };
 
 /// Of runs that begin now; the first is 1.
-constexpr int latest_meaning = 27;
+constexpr int latest_meaning = 28;
 inline int meaning_of(const std::string& written) {
     for (int meaning = 1; meaning < latest_meaning; ++meaning)
         if (written == std::to_string(meaning)) return meaning;
@@ -75,7 +75,8 @@ struct JournalFacts {
     /// half batches (`OptimizeOptions::begins_with_whole_batches`); 26: by gradients elastic energies beside fields
     /// count a share (`energy_share`), and refinement looks at parts of parts (`OptimizeOptions::sees_parts_alone`); of
     /// triangles as near to the middle `hold: point` takes one, whatever rounding says; 27: by gradients single patches
-    /// have variables beside fields (`OptimizeOptions::refines_whole_fronts`).
+    /// have variables beside fields (`OptimizeOptions::refines_whole_fronts`); 28: runs by gradients go back to the
+    /// first fields where values go up and down along their steps (`OptimizeOptions::ignores_waves`).
     int meaning = latest_meaning;
     std::vector<std::string> values, parameters;  ///< names of the values and of the parameters
     std::map<std::string, std::string> files;     ///< hash of each file that the case names

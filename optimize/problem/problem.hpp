@@ -229,6 +229,9 @@ struct OptimizeOptions {
     /// The meaning of earlier runs: beside fields all patches of a front have variables, by gradients too
     /// (`takes_single_patches`).
     bool refines_whole_fronts = false;
+    /// The meaning of earlier runs, and of those that state `starts`: steps are not watched for waves
+    /// (`looks_for_waves`).
+    bool ignores_waves = false;
     double step_tolerance = 1e-6;        ///< or below this change of the scaled variables
     double constraint_tolerance = 1e-6;  ///< of the scaled constraint, for "feasible"
     bool finite_differences = false;  ///< gradients of values without sensitivities by differences in the scaled basis

@@ -11,6 +11,7 @@
 #include "optimize/run/refinement_choice.hpp"
 #include "optimize/run/run_verdict.hpp"
 #include "optimize/run/value_trial.hpp"
+#include "optimize/run/wave_watch.hpp"
 #include "optimize/space/motion_limit.hpp"
 #include "optimize/space/refinement.hpp"
 #include "optimize/space/scaling.hpp"
@@ -21,6 +22,7 @@
 namespace strake {
 namespace {
 
+constexpr double first_step_of_run = 0.5;    ///< in the metric
 constexpr int failures_before_refining = 4;  ///< the last level the minimizer's own limits hold
 /// Of the first fields' expected decrease: where the gradient of the start promises more by others, the first step
 /// takes those, too.
@@ -50,7 +52,8 @@ public:
                  takes_single_patches(problem)),
           program_(state_),
           budget_(state_, program_),
-          order_(state_, budget_) {
+          order_(state_, budget_),
+          waves_(state_, program_) {
         state_.evaluator.take_over_values();
         state_.begins_with_wide_ranges = begins_with_wide_ranges(problem);
     }
@@ -70,17 +73,15 @@ private:
         level.stop = MinimizeStop::converged;
         bool any = false;
         for (std::optional<LevelSet> next;;) {
-            const Eigen::VectorXd parent = x;
-            x = state_.next_level(x, next ? &*next : nullptr);
-            program_.carry_designs(parent, x, state_.prolongation);
-            below_.reset();
-            if (state_.result.levels.size() == 1 && state_.problem.table) learn_from_table(x);
+            const bool is_first = !any || waves_.goes_back();
+            x = enter_level(x, next);
             if (state_.space.size() == 0) {
                 hessian_.resize(0, 0);
             } else {
-                level = search_level(x, any ? Entry::refined : Entry::first);
+                level = search_level(x, is_first ? Entry::first : Entry::refined);
                 any = true;
                 x = level.x;
+                if (goes_back(level)) continue;
             }
             bool refines = finish_or_refine(x, level, next);
             while (!refines && ended_at_limit(level) && state_.limits_were_raised()) {
@@ -104,6 +105,28 @@ private:
                       state_.problem.maximize, state_.limits().evaluations, state_.level_best_evaluation});
     }
 
+    /// The level below the one that the run has left at x, or where it goes back the first one again.
+    Eigen::VectorXd enter_level(const Eigen::VectorXd& x, const std::optional<LevelSet>& next) {
+        const Eigen::VectorXd start =
+            waves_.goes_back() ? state_.first_level_again() : state_.next_level(x, next ? &*next : nullptr);
+        program_.carry_designs(x, start, state_.prolongation);
+        waves_.enter_level();
+        below_.reset();
+        if (state_.result.levels.size() == 1 && state_.problem.table) program_.learn(*state_.problem.table, start);
+        return start;
+    }
+
+    /// The level ends for the first one again: what has been learned is of other minima.
+    bool goes_back(const MinimizeResult& level) {
+        if (level.stop != MinimizeStop::wavy) return false;
+        state_.end_level(level_words(level));
+        waves_.go_back();
+        hessian_.resize(0, 0);
+        curvature_ = 1, first_step_ = step_of_other_group_ = first_step_of_run, largest_gradient_ = 0;
+        still_expected_ = forecast_of_level_ = forecast_of_next_ = expected_of_level_ = 0;
+        return true;
+    }
+
     /// The first batch of a search by models only looks around, unless designs are known.
     void note_short_budget() const {
         const OptimizeOptions& options = state_.problem.optimize;
@@ -113,43 +136,6 @@ private:
                          " evaluations ends with the first (the start, and a batch of ", options.batch,
                          "): raise optimize.budget.evaluations to ", 1 + 2 * options.batch,
                          " or more, or lower optimize.batch to ", std::max(1, (budget - 1) / 2)));
-    }
-
-    /// What the folder of `start_from` has paid for counts: designs of its best one's level, as steps from that one.
-    void learn_from_table(const Eigen::VectorXd& start) {
-        if (state_.problem.optimize.method != Method::model) return;
-        const DesignTable& table = *state_.problem.table;
-        const auto& variables = state_.space.variables;
-        std::vector<LevelProgram::SeenDesign> designs;
-        int others = 0;
-        std::string missing;
-        for (int row = 0; row < table.rows(); ++row) {
-            LevelProgram::SeenDesign design{start, {}};
-            bool is_here = true;
-            for (std::size_t j = 0; j < table.variables.size(); ++j) {
-                const auto c = static_cast<Eigen::Index>(j);
-                const double step = table.designs(row, c) - table.designs(0, c);
-                const auto at = std::ranges::find(variables, table.variables[j], &Variable::name);
-                if (at != variables.end())
-                    design.x[at - variables.begin()] += step / at->unit;
-                else if (step != 0)
-                    is_here = false, missing = table.variables[j];
-            }
-            if (!is_here) {
-                ++others;
-                continue;
-            }
-            for (Eigen::Index k = 0; k < table.given.cols() && table.status[static_cast<std::size_t>(row)] == "ok"; ++k)
-                design.values.push_back(table.given(row, k));
-            designs.push_back(std::move(design));
-        }
-        state_.note(text(designs.size(), " designs of ", table.name, " are known and not paid again",
-                         others > 0 ? text("; ", others,
-                                           " more are not used: they differ in variables that this run "
-                                           "does not have (",
-                                           missing, " for one); keep parameters as they were there to use them")
-                                    : ""));
-        program_.learn(std::move(designs));
     }
 
     /// True: on to this level. A level that was left for details that turn out to be worth nothing is finished first.
@@ -359,6 +345,7 @@ private:
         ProgressWatch watch(watched ? state_.problem.optimize.progress_below : 0,
                             sees_values_only ? static_cast<int>(start.size()) : 0);
         how.on_step = [&](const MinimizeStep& step) {
+            if (waves_.is_patient()) return true;
             std::optional<ProgressWatch::Seen> seen;
             if (step.evaluation.failure.empty())
                 seen = {step.evaluation.objective, total_violation(program, step.evaluation.constraints),
@@ -373,6 +360,7 @@ private:
         if (below_)
             how.on_model = [&, before = state_.result.evaluations](double expected, const Eigen::MatrixXd& hessian) {
                 still_expected_ = expected;
+                if (waves_.is_patient()) return true;
                 const double kept = kept_of_forecast(state_.result.evaluations - before);
                 return is_best_at_this_level(*below_, program, expected / std::max(kept, 1e-9), hessian);
             };
@@ -381,7 +369,9 @@ private:
         if (may_leave && !sees_values_only && program_.has_choice() && !has_stayed_)
             how.before_differences = leave_early_rule();
         still_expected_ = 0;
+        how.on_misfit = waves_.on_misfit();
         MinimizeResult result = minimize(program, how);
+        if (entry == Entry::first) result = waves_.look_elsewhere(program, how, result);
         spent_ = result.evaluations += spent_;
         failed_ = result.failures += failed_;
         keep_knowledge(program, result, how.first_step, sees_values_only);
@@ -513,13 +503,15 @@ private:
     LevelProgram program_;
     LevelBudget budget_;
     LevelOrder order_;
+    WaveWatch waves_;
     Eigen::MatrixXd hessian_;         ///< at the end of the level, in y; empty: not known
     Eigen::VectorXd weight_;          ///< y over x
     Eigen::VectorXd last_y_;          ///< the last point of the level that was differentiated
     Evaluation last_;                 ///< there
     Evaluation parent_;               ///< best of the level, its gradient in y
     Eigen::MatrixXd gradient_error_;  ///< of that gradient
-    double curvature_ = 1, first_step_ = 0.5, step_of_other_group_ = 0.5, largest_gradient_ = 0;
+    double curvature_ = 1, first_step_ = first_step_of_run, step_of_other_group_ = first_step_of_run,
+           largest_gradient_ = 0;
     int spent_ = 0, failed_ = 0;     ///< evaluations of the level's searches before the present one, and failures
     double widened_ = 1;             ///< times the ranges that the level began with
     double probed_ = 1;              ///< how much softer the details of the next level are than the metric says

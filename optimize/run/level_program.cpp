@@ -11,6 +11,7 @@
 #include "optimize/space/motion_limit.hpp"
 #include "optimize/space/response_metric.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <span>
 
@@ -319,6 +320,39 @@ std::vector<KnownPoint> LevelProgram::known_points() {
     for (const SeenDesign& design : seen_)
         points.push_back({design.x.cwiseProduct(weight_), from_values(design.values)});
     return points;
+}
+
+void LevelProgram::learn(const DesignTable& table, const Eigen::VectorXd& start) {
+    if (state_.problem.optimize.method != Method::model) return;
+    const auto& variables = state_.space.variables;
+    learned_.clear();
+    int others = 0;
+    std::string missing;
+    for (int row = 0; row < table.rows(); ++row) {
+        SeenDesign design{start, {}};
+        bool is_here = true;
+        for (std::size_t j = 0; j < table.variables.size(); ++j) {
+            const auto c = static_cast<Eigen::Index>(j);
+            const double step = table.designs(row, c) - table.designs(0, c);
+            const auto at = std::ranges::find(variables, table.variables[j], &Variable::name);
+            if (at != variables.end())
+                design.x[at - variables.begin()] += step / at->unit;
+            else if (step != 0)
+                is_here = false, missing = table.variables[j];
+        }
+        if (!is_here) {
+            ++others;
+            continue;
+        }
+        for (Eigen::Index k = 0; k < table.given.cols() && table.status[static_cast<std::size_t>(row)] == "ok"; ++k)
+            design.values.push_back(table.given(row, k));
+        learned_.push_back(std::move(design));
+    }
+    state_.note(text(
+        learned_.size(), " designs of ", table.name, " are known and not paid again",
+        others > 0 ? text("; ", others, " more are not used: they differ in variables that this run does not have (",
+                          missing, " for one); keep parameters as they were there to use them")
+                   : ""));
 }
 
 Evaluation LevelProgram::from_values(const std::vector<double>& values) const {

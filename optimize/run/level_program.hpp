@@ -2,6 +2,7 @@
 #include "optimize/evaluate/constraints.hpp"
 #include "optimize/nlp/minimizer.hpp"
 #include "optimize/run/cheap_program.hpp"
+#include "optimize/run/design_table.hpp"
 #include "optimize/run/run_state.hpp"
 
 /// The shape problem of a level as a nonlinear program in y = weight * x, in which every variable has the same size.
@@ -44,9 +45,9 @@ public:
     /// d(parent's x)
     void carry_designs(const Eigen::VectorXd& parent, const Eigen::VectorXd& start,
                        const Eigen::MatrixXd& prolongation);
-    /// Designs of the first level that an earlier run has paid for, the first of them where this one starts. Before the
-    /// level is entered.
-    void learn(std::vector<SeenDesign> designs) { learned_ = std::move(designs); }
+    /// What the folder of `start_from` has paid for counts: designs of its best one's level, as steps from that one,
+    /// where this run starts. Before the first level is entered; other methods than model do nothing.
+    void learn(const DesignTable& table, const Eigen::VectorXd& start);
     const ShapeEvaluation& current() const { return current_; }  ///< the last evaluation
 
     /// Of the present level, that searches by models have: fewer than variables where values are the same for mirror

@@ -111,6 +111,13 @@ bool takes_single_patches(const Problem& problem) {
            has_exact_gradients(problem) && !problem.optimize.refines_whole_fronts;
 }
 
+bool looks_for_waves(const Problem& problem) {
+    const Parameters& p = problem.parameters;
+    const OptimizeOptions& options = problem.optimize;
+    return p.fields && p.split == SplitRule::sensitivity && has_exact_gradients(problem) && !problem.start &&
+           options.starts == 1 && !options.ignores_waves;
+}
+
 MethodChoice choose_method(const Problem& problem, int budget) {
     MethodChoice choice;
     if (problem.optimize.finite_differences) return choice;  // stated

@@ -29,6 +29,9 @@ inline constexpr double energy_beside_fields = 0.003;
 /// Beside fields, a run by gradients that chooses what to refine (`split: sensitivity`) gives variables to single
 /// patches (`RestFacts::takes_single_patches`). Of loads alone: they leave what they do to those beside.
 bool takes_single_patches(const Problem& problem);
+/// The run watches its steps for waves of an objective with many minima: with fields by sensitivity and exact
+/// gradients, from rest, where no number of starts is stated.
+bool looks_for_waves(const Problem& problem);
 
 /// Maximum number of variables of the first level: a run drops those that turn out to move nothing.
 int max_variables_at_start(const Problem& problem);

@@ -3,6 +3,7 @@
 #include "core/error.hpp"
 #include "optimize/run/run_verdict.hpp"
 #include "optimize/run/stored_design.hpp"
+#include "optimize/space/design_levels.hpp"
 #include "optimize/space/parameters.hpp"
 #include "optimize/space/refinement.hpp"
 #include "optimize/space/scaling.hpp"
@@ -219,6 +220,18 @@ Eigen::VectorXd RunState::next_level(const Eigen::VectorXd& x, const LevelSet* n
         start = std::move(inherited.x);
         prolongation = std::move(inherited.prolongation);
     }
+    return enter_level(std::move(start));
+}
+
+Eigen::VectorXd RunState::first_level_again() {
+    const LevelSet first = level_set(*rest, first_level_of(*rest->tree, rest->parameters));
+    space = make_space(rest, space.level + 1, first, nullptr);
+    prolongation.resize(0, 0);
+    level_best_vertices.resize(0, 3);
+    return enter_level(Eigen::VectorXd::Zero(space.size()));
+}
+
+Eigen::VectorXd RunState::enter_level(Eigen::VectorXd start) {
     range_ratio = begins_with_wide_ranges ? widen_to_limit(space) : 1;
     if (!result.levels.empty())
         evaluator.enter(space);

@@ -45,6 +45,8 @@ public:
     /// Makes the space of the next level (from `x` of the present one) and enters it.
     /// @param next what the level is made of; without it the next level of the tree.
     Eigen::VectorXd next_level(const Eigen::VectorXd& x, const LevelSet* next = nullptr);
+    /// The variables of the first level again as those of the next one, from the start of the run.
+    Eigen::VectorXd first_level_again();
     /// There are finer patches than the present ones.
     bool can_refine() const;
     void end_level(const std::string& why);  ///< completes the level's summary
@@ -95,6 +97,7 @@ public:
 
 private:
     Eigen::VectorXd first_level();
+    Eigen::VectorXd enter_level(Eigen::VectorXd start);  ///< the present space
     void check_inheritance(const ShapeEvaluation& evaluation, double objective);
     void check_design(const Eigen::VectorXd& x) const;
     static void check_values(const JournalEvaluation& then, const EvaluationRecord& record);

@@ -47,6 +47,20 @@ TEST_F(SetKeys, ReplacesAddsAndAppends) {
     EXPECT_EQ(c.output.paraview, ParaView::none);
 }
 
+/// One that is stated is one: the run goes back to none.
+TEST_F(SetKeys, ANumberOfStartsIsKept) {
+    EXPECT_FALSE(with({}).optimize.ignores_waves);
+    EXPECT_FALSE(with({"optimize.starts=auto"}).optimize.ignores_waves);
+    EXPECT_EQ(with({"optimize.starts=auto"}).optimize.starts, 1);
+    for (const int starts : {1, 3}) {
+        const OptimizeOptions options = with({"optimize.starts=" + std::to_string(starts)}).optimize;
+        EXPECT_EQ(options.starts, starts);
+        EXPECT_TRUE(options.ignores_waves);
+    }
+    EXPECT_TRUE(contains(error({"optimize.starts=some"}), "optimize.starts = some must be"))
+        << error({"optimize.starts=some"});
+}
+
 TEST_F(SetKeys, NamesMayHoldDots) {
     const Case c = with({"constraints.aero.lift.min=2", "constraints.aero.pitch.max=3",
                          "constraints.\"aero.side\".max=4", "constraints.area={max: 5}"});

@@ -196,9 +196,12 @@ Evaluation Guard::count_and_evaluate(const Eigen::VectorXd& x) {
 double Guard::decrease_tolerance(double objective) const {
     if (options.is_relative_to_objective)
         return options.objective_tolerance * std::max(std::abs(objective), 1e-3 * options.gained_before);
+    return std::max(options.objective_tolerance * gained(objective), resolution(objective, evidence.noise()));
+}
+
+double Guard::gained(double objective) const {
     const double change = std::abs(start_objective - objective);
-    const double gained = std::max(options.gained_before, std::isfinite(change) ? change : 0);
-    return std::max(options.objective_tolerance * gained, resolution(objective, evidence.noise()));
+    return std::max(options.gained_before, std::isfinite(change) ? change : 0);
 }
 
 std::string Guard::limit_words() const {

@@ -67,6 +67,8 @@ public:
     /// Decreases from this objective on that are as good as none: `objective_tolerance` of what has been gained, or
     /// what the values do not resolve.
     double decrease_tolerance(double objective) const;
+    /// By this objective, in this search and those that it continues.
+    double gained(double objective) const;
     /// What NLopt's methods minimize is the objective without this: their tolerances are relative to what they see.
     double offset() const { return options.is_relative_to_objective ? 0 : start_objective; }
     /// The search wants gradients, and not all of them are differences.

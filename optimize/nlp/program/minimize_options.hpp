@@ -85,6 +85,9 @@ struct MinimizeOptions {
     /// sqp: called with the decrease that the model still expects and its Hessian, at every differentiated point that
     /// nearly meets the constraints; return false to stop here.
     std::function<bool(double expected, const Eigen::MatrixXd& hessian)> on_model;
+    /// sqp with gradients of its own: called after every step that changes the Lagrangian by more than a thousandth of
+    /// all that has been gained, with `parabola_misfit`; return false to stop here.
+    std::function<bool(double misfit)> on_misfit;
     /// sqp without gradients: called at every accepted point that meets the constraints before its differences are
     /// paid; return false to stop here.
     std::function<bool()> before_differences;
@@ -99,6 +102,7 @@ enum class MinimizeStop {
     time,           ///< limit
     stopped,        ///< by on_step
     outpaced,       ///< by on_model or before_differences
+    wavy,           ///< by on_misfit
     no_valid_step,  ///< evaluations fail however small the step
     failed          ///< the start or a fatal evaluation failed, or the algorithm broke down at once
 };

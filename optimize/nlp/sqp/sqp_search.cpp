@@ -1,6 +1,7 @@
 #include "optimize/nlp/sqp/sqp_search.hpp"
 
 #include "core/error.hpp"
+#include "optimize/nlp/sqp/parabola_misfit.hpp"
 #include "optimize/nlp/sqp/trust_region.hpp"
 
 #include <Eigen/Cholesky>
@@ -196,6 +197,7 @@ bool SqpSearch::accept(const VectorXd& x, Evaluation& trial, double decrease, co
                          !guard_.options.before_differences();
     if (!(is_left ? gradient_.estimate(x, trial) : gradient_.differentiate(x, trial))) return failed_at(x - now_.x);
     const VectorXd lambda = multipliers_of(now_, trial, set);
+    const bool is_wavy = tells_of_waves(trial, x - now_.x, lambda);
     hessian_.add_constraint_curvature(lambda);
     hessian_.update(x - now_.x,
                     trial.gradient - now_.at.gradient + (trial.jacobian - now_.at.jacobian).transpose() * lambda);
@@ -216,7 +218,16 @@ bool SqpSearch::accept(const VectorXd& x, Evaluation& trial, double decrease, co
     failures_ = refusals_ = rejections_ = model_failures_ = 0;
     ++accepted_;
     border_.update();
+    if (is_wavy) return end(MinimizeStop::wavy, "values go up and down along the steps");
     return is_left ? end(MinimizeStop::outpaced, "more is expected elsewhere") : ends_by_progress();
+}
+
+bool SqpSearch::tells_of_waves(const Evaluation& trial, const VectorXd& step, const VectorXd& lambda) const {
+    if (!guard_.options.on_misfit || now_.program.differences) return false;
+    const double change = trial.objective - now_.at.objective + lambda.dot(trial.constraints - now_.at.constraints);
+    const double telling = std::max(trust_region.telling_change * guard_.gained(trial.objective),
+                                    guard_.decrease_tolerance(trial.objective));
+    return std::abs(change) > telling && !guard_.options.on_misfit(parabola_misfit(now_, trial, lambda, step));
 }
 
 bool SqpSearch::ends_by_progress() {

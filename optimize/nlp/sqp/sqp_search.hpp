@@ -45,6 +45,8 @@ private:
     /// The radius after a step with this actual over expected decrease.
     void resize(double ratio, double length);
     bool accept(const Eigen::VectorXd& x, Evaluation& trial, double decrease, const ActiveSet& set);
+    /// The step to this trial is one that `MinimizeOptions::on_misfit` ends the search for.
+    bool tells_of_waves(const Evaluation& trial, const Eigen::VectorXd& step, const Eigen::VectorXd& lambda) const;
     /// After many small decreases or stalled steps. True: the search has ended.
     bool ends_by_progress();
     /// Converged, or stalled where more is expected.

@@ -56,6 +56,8 @@ struct TrustRegionOptions {
     double rounding_share = 1e-3;       ///< of the objective tolerance: less curvature may be rounding
     double constraint_rounding = 0.01;  ///< of the constraint tolerance: the same
 
+    double telling_change = 1e-3;  ///< of all that has been gained: the shape of a smaller step says little
+
     // The end.
     int max_small_decreases = 2;      ///< decreases below the tolerance in a row that mean convergence
     int max_stalled_steps = 4;        ///< the same while constraints are violated, where steps are less regular

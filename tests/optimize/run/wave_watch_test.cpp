@@ -1,0 +1,170 @@
+#include "optimize/run/wave_watch.hpp"
+
+#include "core/fields/displacement_fields.hpp"
+#include "optimize/run/coarse_to_fine.hpp"
+#include "optimize/run/method_choice.hpp"
+#include "optimize/run/stored_design.hpp"
+#include "optimize/space/field_conditions.hpp"
+#include "problems.hpp"
+
+#include <gtest/gtest.h>
+#include <cmath>
+#include <numbers>
+
+using namespace strake;
+
+namespace {
+
+/// The sum of the smooth quantity, over its value at the start, and of waves in the mean height of six slices along x:
+/// 1 - cos of 2.5 waves between the start and the `wanted` shape, whose sum is `height` where all are at their top.
+Quantity with_waves(const Quantity& smooth, const TriMesh& start, const Points& wanted, double height) {
+    constexpr int slices = 6;
+    std::vector<std::vector<int>> slice(slices);
+    for (int v = 0; v < start.num_vertices(); ++v) {
+        const double s = (start.vertices(v, 0) + 0.7) / 1.7;
+        if (s > 0) slice[std::min(slices - 1, static_cast<int>(slices * s))].push_back(v);
+    }
+    const auto missing = [=](const Points& at, int k) {
+        double sum = 0;
+        for (const int v : slice[k]) sum += at(v, 2) - wanted(v, 2);
+        return sum / static_cast<double>(slice[k].size());
+    };
+    const double at_start = smooth.evaluate({start, false, 0, 0, {}}).values[0];
+    Quantity quantity = smooth;
+    quantity.names = {"match"};
+    quantity.evaluate = [=](const QuantityRequest& asked) {
+        QuantityResult r = smooth.evaluate(asked);
+        r.values[0] /= at_start;
+        if (asked.want_sensitivities) r.dJ_dv[0] /= at_start;
+        for (int k = 0; k < slices; ++k) {
+            const double wave = std::max(std::abs(missing(start.vertices, k)), 0.01) / 2.5,
+                         angle = 2 * std::numbers::pi * missing(asked.surface.vertices, k) / wave;
+            r.values[0] += height / (2 * slices) * (1 - std::cos(angle));
+            if (!asked.want_sensitivities) continue;
+            for (const int v : slice[k])
+                r.dJ_dv[0](v, 2) += height / (2 * slices) * std::sin(angle) * 2 * std::numbers::pi / wave /
+                                    static_cast<double>(slice[k].size());
+        }
+        return r;
+    };
+    return quantity;
+}
+
+/// A body to be bent, tilted and thickened, by six fields at first.
+Problem many_minima(double height) {
+    Problem problem = ellipsoid_problem(3, 3);
+    add_fields(problem.parameters, std::make_shared<const DisplacementFields>(
+                                       problem.surface, field_conditions(problem), FieldOptions{60, {}}));
+    problem.parameters.field_steps = {12, 60};
+    problem.parameters.kinds = {VariableKind::normal_load};
+    problem.parameters.split = SplitRule::sensitivity;
+    TriMesh wanted = problem.surface;
+    for (int v = 0; v < wanted.num_vertices(); ++v) {
+        const Eigen::RowVector3d at = wanted.vertices.row(v);
+        const double s = std::max(0.0, at[0] + 0.7);
+        wanted.vertices(v, 2) += 0.05 * s * s - 0.02 * s * at[1] + 0.1 * s * at[2];
+        wanted.vertices(v, 1) += 0.04 * s * at[1];
+    }
+    const Quantity smooth = target_shape_same("match", problem.surface, wanted);
+    problem.quantities = {with_waves(smooth, problem.surface, wanted.vertices, height)};
+    problem.objective = "match";
+    problem.optimize.max_evaluations = 60;
+    return problem;
+}
+
+struct Seen {
+    RunResult result;
+    std::vector<double> objectives;
+    std::vector<int> sizes;  ///< variables of each level
+    bool has_noted = false;
+};
+
+Seen run(const Problem& problem) {
+    Seen seen;
+    RunEvents events;
+    events.evaluation = [&](const EvaluationRecord& r) { seen.objectives.push_back(r.objective); };
+    events.level = [&](const LevelStart& level) { seen.sizes.push_back(level.space.size()); };
+    events.note = [&](const std::string& words) { seen.has_noted |= words.find("up and down") != std::string::npos; };
+    seen.result = optimize(problem, events);
+    return seen;
+}
+
+/// Number of the level that is the first one again; 0: none.
+std::size_t return_of(const Seen& seen) {
+    for (std::size_t k = 1; k < seen.sizes.size(); ++k)
+        if (seen.sizes[k] < seen.sizes[k - 1]) return k;
+    return 0;
+}
+
+}  // namespace
+
+TEST(WaveWatch, AcrossWavesARunGoesBackToTheFirstFields) {
+    const Problem problem = many_minima(0.3);
+    const Seen seen = run(problem);
+    const std::size_t back = return_of(seen);
+    ASSERT_GT(back, 0u) << seen.result.reason;
+    EXPECT_TRUE(seen.has_noted);
+    EXPECT_EQ(seen.sizes[back], seen.sizes[0]);
+    const auto& levels = seen.result.levels;
+    EXPECT_EQ(levels[back].level, static_cast<int>(back)) << "levels are numbered as they come";
+    EXPECT_EQ(levels[back].objective_start, seen.result.objective_start) << "from the start";
+    EXPECT_NE(levels[back].stop, "finer details are expected to gain more") << "the search there is patient";
+    EXPECT_NE(levels[back].stop, "progress slackened");
+    EXPECT_LE(seen.result.evaluations, 60);
+
+    Problem as_before = problem;
+    as_before.optimize.ignores_waves = true;
+    const Seen before = run(as_before);
+    EXPECT_EQ(return_of(before), 0u);
+    EXPECT_FALSE(before.has_noted);
+    EXPECT_LT(seen.result.objective, 0.5 * before.result.objective);
+}
+
+TEST(WaveWatch, NothingChangesWhereThereAreNone) {
+    Problem problem = many_minima(0);
+    const Seen seen = run(problem);
+    problem.optimize.ignores_waves = true;
+    EXPECT_EQ(seen.objectives, run(problem).objectives);
+    EXPECT_FALSE(seen.has_noted);
+}
+
+/// What the seed decides is where the second search of the first fields begins.
+TEST(WaveWatch, TheSameSeedGivesTheSameRun) {
+    Problem problem = many_minima(0.3);
+    const Seen first = run(problem);
+    EXPECT_EQ(run(problem).objectives, first.objectives);
+    problem.optimize.seed = 2;
+    const Seen other = run(problem);
+    EXPECT_NE(other.objectives, first.objectives);
+    const auto differ = std::ranges::mismatch(other.objectives, first.objectives).in1 - other.objectives.begin();
+    const int before = first.result.levels[0].evaluations + first.result.levels[1].evaluations;
+    EXPECT_GT(differ, before) << "up to there they are the same";
+}
+
+TEST(WaveWatch, EveryBudgetIsKept) {
+    Problem problem = many_minima(0.3);
+    const Seen all = run(problem);
+    for (const int budget : {1, 2, 3, 4, 6, 9, 13, 19, 27, 40}) {
+        problem.optimize.max_evaluations = budget;
+        const Seen seen = run(problem);
+        EXPECT_LE(seen.result.evaluations, budget);
+        EXPECT_EQ(seen.result.objective, *std::ranges::min_element(seen.objectives)) << budget;
+    }
+}
+
+/// By gradients of all values, with fields that the run chooses, from rest.
+TEST(WaveWatch, WatchesRunsThatCanGoBack) {
+    const Problem problem = many_minima(0.3);
+    EXPECT_TRUE(looks_for_waves(problem));
+    const auto without = [&](const std::function<void(Problem&)>& change) {
+        Problem other = problem;
+        change(other);
+        return !looks_for_waves(other);
+    };
+    EXPECT_TRUE(without([](Problem& p) { p.parameters.fields.reset(); }));
+    EXPECT_TRUE(without([](Problem& p) { p.parameters.split = SplitRule::tree; }));
+    EXPECT_TRUE(without([](Problem& p) { p.optimize.method = Method::model; }));
+    EXPECT_TRUE(without([](Problem& p) { p.optimize.starts = 2; }));
+    EXPECT_TRUE(without([](Problem& p) { p.optimize.ignores_waves = true; }));
+    EXPECT_TRUE(without([](Problem& p) { p.start = std::make_shared<const StoredDesign>(); }));
+}

@@ -33,6 +33,11 @@ bool has_exact_gradients(const Problem& problem) {
     return method_facts(problem.optimize.method).needs_gradients && without_gradient(problem).empty();
 }
 
+bool minds_waves(const Problem& problem) {
+    const OptimizeOptions& options = problem.optimize;
+    return problem.parameters.fields && !problem.start && options.starts == 1 && !options.ignores_waves;
+}
+
 }  // namespace
 
 int max_variables_at_start(const Problem& problem) {
@@ -112,11 +117,10 @@ bool takes_single_patches(const Problem& problem) {
 }
 
 bool looks_for_waves(const Problem& problem) {
-    const Parameters& p = problem.parameters;
-    const OptimizeOptions& options = problem.optimize;
-    return p.fields && p.split == SplitRule::sensitivity && has_exact_gradients(problem) && !problem.start &&
-           options.starts == 1 && !options.ignores_waves;
+    return minds_waves(problem) && problem.parameters.split == SplitRule::sensitivity && has_exact_gradients(problem);
 }
+
+bool looks_for_waves_by_values(const Problem& problem) { return minds_waves(problem) && !has_exact_gradients(problem); }
 
 MethodChoice choose_method(const Problem& problem, int budget) {
     MethodChoice choice;

@@ -32,6 +32,8 @@ bool takes_single_patches(const Problem& problem);
 /// The run watches its steps for waves of an objective with many minima: with fields by sensitivity and exact
 /// gradients, from rest, where no number of starts is stated.
 bool looks_for_waves(const Problem& problem);
+/// The same of a run by values, with fields as its first level, once a search by models has ended there.
+bool looks_for_waves_by_values(const Problem& problem);
 
 /// Maximum number of variables of the first level: a run drops those that turn out to move nothing.
 int max_variables_at_start(const Problem& problem);

@@ -1,16 +1,23 @@
 #pragma once
 #include "optimize/run/level_program.hpp"
 
-/// What a run by gradients does where its objective has many minima. Internal.
+/// What a run does where its objective has many minima. Internal.
 ///
 /// Waves on a smooth objective have a minimum each. Many fine variables follow the nearest one, few smooth ones the
-/// valley that all lie in: these see the mean of waves that are shorter than what they move. A run takes finer fields
-/// as soon as its gradient promises more by them, and that of waves promises much. So it watches its steps
-/// (`parabola_misfit`): where they lead across waves while it has fields alone, it goes back to the first of them, at
-/// its start, and searches them patiently: until they gain no more, whatever others promise. Waves that are seen there
-/// again leave it open which of them the search has ended in: it begins there once more, at random changes of the
-/// first fields, and the better end goes on. What came before is lost but for its best design, and is a few
-/// evaluations. On all of it the seed decides, so that a resumed run does the same.
+/// valley that all lie in: these see the mean of waves that are shorter than what they move.
+///
+/// By gradients a run takes finer fields as soon as its gradient promises more by them, and that of waves promises
+/// much. So it watches its steps (`parabola_misfit`): where they lead across waves while it has fields alone, it goes
+/// back to the first of them, at its start, and searches them patiently: until they gain no more, whatever others
+/// promise. What came before is lost but for its best design, and is a few evaluations.
+///
+/// By values, in long runs by models, waves shorten the steps. Where they were shortened more than once on the first
+/// fields, a few points between the start and the best design tell whether that is the reason: along a parabola, as
+/// smooth objectives nearly are, or across waves.
+///
+/// Waves on the first fields leave it open which of them the search has ended in: it begins there once more, at random
+/// changes of these fields, and the better end goes on. On all of it the seed decides, so that a resumed run does the
+/// same.
 namespace strake {
 
 class WaveWatch {
@@ -27,21 +34,30 @@ public:
     void go_back();
     bool goes_back() const { return goes_back_; }
 
-    /// After a patient search that has seen waves: searches the level from another start, for no more evaluations than
-    /// `first` has cost, and returns the better result, with the counts of both. Else, or where no other start has a
-    /// valid shape, `first`. @param how of the first search
+    /// After the search of a first level: where that has waves, it is searched from another start, or from more than
+    /// one, for about as many evaluations as `first` has cost. Returns the best result, with the counts of all; where
+    /// it has none, or no other start has a valid shape, `first`. A quantity that fails for good ends the result, too.
+    /// @param how of the first search
     MinimizeResult look_elsewhere(const NonlinearProgram& program, MinimizeOptions how, const MinimizeResult& first);
 
 private:
     bool may_go_back() const;
+    bool may_go_on(const MinimizeResult& result) const;
+    /// The search by values that has ended so may have been kept by waves, and the run can afford to look.
+    bool may_look_along(const MinimizeOptions& how, const MinimizeResult& first) const;
+    /// Evaluates points between the level's start and the best one. False, too, where one has no values.
+    bool is_wavy_towards(const NonlinearProgram& program, const MinimizeResult& best);
     /// Random changes of the fields, halved until the shape is valid. Nothing: none is.
-    std::optional<Eigen::VectorXd> another_start(const NonlinearProgram& program, unsigned seed) const;
+    std::optional<Eigen::VectorXd> another_start(const NonlinearProgram& program, unsigned seed, int number) const;
+    /// By `failure_`.
+    MinimizeResult ended(MinimizeResult result) const;
 
     RunState& state_;
     LevelProgram& program_;
-    const bool is_on_;
+    const bool is_on_, is_on_by_values_;
     bool is_patient_ = false, sees_waves_ = false;  ///< on the present level
     bool goes_back_ = false, has_gone_back_ = false;
+    std::string failure_;
 };
 
 }  // namespace strake

@@ -72,6 +72,16 @@ Problem many_minima(double height) {
     return problem;
 }
 
+/// The same by values alone, in a run long enough for models.
+Problem by_values(double height) {
+    Problem problem = many_minima(height);
+    problem.quantities[0].has_sensitivities = false;
+    problem.parameters.split = SplitRule::tree;
+    problem.optimize.method = Method::model;
+    problem.optimize.max_evaluations = 110;
+    return problem;
+}
+
 struct Seen {
     RunResult result;
     std::vector<double> objectives;
@@ -152,6 +162,51 @@ TEST(WaveWatch, EveryBudgetIsKept) {
     }
 }
 
+/// Whose first level looks between the start and its best design, and begins there once more.
+TEST(WaveWatch, ByValuesARunLooksForWavesAndBeginsAgain) {
+    Problem problem = by_values(0.3);
+    const Seen seen = run(problem);
+    EXPECT_TRUE(seen.has_noted);
+    EXPECT_EQ(return_of(seen), 0u);
+    EXPECT_LE(seen.result.evaluations, 110);
+    EXPECT_EQ(seen.result.objective, *std::ranges::min_element(seen.objectives));
+    EXPECT_EQ(run(problem).objectives, seen.objectives) << "the seed decides";
+    problem.optimize.ignores_waves = true;
+    const Seen before = run(problem);
+    EXPECT_FALSE(before.has_noted);
+    EXPECT_LT(seen.result.levels[0].objective_end, 0.8 * before.result.levels[0].objective_end);
+    const int first = before.result.levels[0].evaluations;
+    EXPECT_GT(seen.result.levels[0].evaluations, first);
+    EXPECT_TRUE(std::equal(before.objectives.begin(), before.objectives.begin() + first, seen.objectives.begin()))
+        << "up to there they are the same";
+    EXPECT_FALSE(run(by_values(0)).has_noted);
+}
+
+/// A quantity that fails for good while the run looks around, or begins again, ends it.
+TEST(WaveWatch, WhatFailsForGoodEndsTheRun) {
+    for (const bool with_gradients : {false, true}) {
+        Problem problem = with_gradients ? many_minima(0.3) : by_values(0.3);
+        const Seen seen = run(problem);
+        const int from =
+            with_gradients ? seen.result.levels[0].evaluations + seen.result.levels[1].evaluations + 2 : 24;
+        for (const int last : {from, from + 11, from + 26, from + 38}) {
+            Problem failing = problem;
+            auto calls = std::make_shared<int>(0), after = std::make_shared<int>(0);
+            failing.quantities[0].evaluate = [=, sound = problem.quantities[0].evaluate](const QuantityRequest& asked) {
+                if (++*calls <= last) return sound(asked);
+                *after += asked.evaluation > 0;  // others are no evaluations of the run
+                QuantityResult r;
+                r.failure = Failure{"exit", "the licence has expired"};
+                return r;
+            };
+            const Seen ended = run(failing);
+            EXPECT_EQ(ended.result.status, "evaluation_failed") << last << ": " << ended.result.reason;
+            EXPECT_NE(ended.result.reason.find("the licence has expired"), std::string::npos) << ended.result.reason;
+            EXPECT_EQ(*after, 1) << "nothing is asked after that";
+        }
+    }
+}
+
 /// By gradients of all values, with fields that the run chooses, from rest.
 TEST(WaveWatch, WatchesRunsThatCanGoBack) {
     const Problem problem = many_minima(0.3);
@@ -167,4 +222,11 @@ TEST(WaveWatch, WatchesRunsThatCanGoBack) {
     EXPECT_TRUE(without([](Problem& p) { p.optimize.starts = 2; }));
     EXPECT_TRUE(without([](Problem& p) { p.optimize.ignores_waves = true; }));
     EXPECT_TRUE(without([](Problem& p) { p.start = std::make_shared<const StoredDesign>(); }));
+
+    Problem values = by_values(0.3);
+    EXPECT_TRUE(looks_for_waves_by_values(values));
+    EXPECT_FALSE(looks_for_waves(values));
+    EXPECT_FALSE(looks_for_waves_by_values(problem));
+    values.optimize.starts = 2;
+    EXPECT_FALSE(looks_for_waves_by_values(values));
 }

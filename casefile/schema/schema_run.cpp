@@ -74,9 +74,10 @@ std::vector<Key> method_keys() {
         {.path = "optimize.starts",
          .type = Type::integer,
          .doc = "Number of starting points on the first level: the start shape, then random ones within the bounds. "
-                "auto: the start shape; by gradients, with fields and split: sensitivity, where values go up and down "
-                "along the steps (many minima), the first fields are searched from there to their end before any "
-                "others join, and once more from random changes of them. Not for fit.",
+                "auto: the start shape; with fields, where values go up and down (many minima), the first fields are "
+                "searched to their end before finer ones join, and once more from random changes of them: by gradients "
+                "with split: sensitivity, and in long runs by method: model. A stated number, 1 too, switches this "
+                "off. Not for fit.",
          .fallback = "auto",
          .limits = at_least_one,
          .words = {"auto"}},

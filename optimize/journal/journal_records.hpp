@@ -75,8 +75,8 @@ struct JournalFacts {
     /// half batches (`OptimizeOptions::begins_with_whole_batches`); 26: by gradients elastic energies beside fields
     /// count a share (`energy_share`), and refinement looks at parts of parts (`OptimizeOptions::sees_parts_alone`); of
     /// triangles as near to the middle `hold: point` takes one, whatever rounding says; 27: by gradients single patches
-    /// have variables beside fields (`OptimizeOptions::refines_whole_fronts`); 28: runs by gradients go back to the
-    /// first fields where values go up and down along their steps (`OptimizeOptions::ignores_waves`).
+    /// have variables beside fields (`OptimizeOptions::refines_whole_fronts`); 28: runs with fields look for waves of
+    /// many minima, go back to the first fields, and begin there once more (`OptimizeOptions::ignores_waves`).
     int meaning = latest_meaning;
     std::vector<std::string> values, parameters;  ///< names of the values and of the parameters
     std::map<std::string, std::string> files;     ///< hash of each file that the case names

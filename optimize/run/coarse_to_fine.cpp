@@ -327,7 +327,8 @@ private:
     }
 
     MinimizeResult run_level(const Eigen::VectorXd& start, Entry entry) {
-        if (entry == Entry::first || entry == Entry::refined) {
+        const bool begins = entry == Entry::first || entry == Entry::refined;
+        if (begins) {
             widened_ = 1;
             spent_ = failed_ = 0;
             forecast_of_level_ = std::exchange(forecast_of_next_, 0);
@@ -369,7 +370,7 @@ private:
         if (may_leave && !sees_values_only && program_.has_choice() && !has_stayed_)
             how.before_differences = leave_early_rule();
         still_expected_ = 0;
-        how.on_misfit = waves_.on_misfit();
+        if (begins) how.on_misfit = waves_.on_misfit();
         MinimizeResult result = minimize(program, how);
         if (entry == Entry::first) result = waves_.look_elsewhere(program, how, result);
         spent_ = result.evaluations += spent_;

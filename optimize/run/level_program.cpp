@@ -11,6 +11,7 @@
 #include "optimize/space/motion_limit.hpp"
 #include "optimize/space/response_metric.hpp"
 
+#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <span>
@@ -225,12 +226,23 @@ void LevelProgram::add_mirror_images() {
         const MotionImages images = motion_images(state_.space, mirror.plane);
         MirrorImage image{inverse.asDiagonal() * images.motion * inverse.asDiagonal(),
                           inverse.asDiagonal() * images.image * inverse.asDiagonal(), mirror.holds,
-                          [this, k](bool holds) { use_mirror((*mirrors_)[k], holds); }};
+                          [this, k, at = program_.mirror_images.size()](bool holds) {
+                              use_mirror((*mirrors_)[k], holds);
+                              program_.mirror_images[at].holds = holds;
+                          }};
         mirror.is_none = !mirror.has_held && !keeps_directions(program_, image);
         if (!mirror.is_none) program_.mirror_images.push_back(std::move(image));
     }
     if (std::ranges::any_of(program_.mirror_images, &MirrorImage::holds))
         num_directions_ = num_even_directions(program_);
+}
+
+Eigen::VectorXd LevelProgram::symmetric_part(const Eigen::VectorXd& change) const {
+    Eigen::VectorXd part = change;
+    for (const MirrorImage& mirror : program_.mirror_images)
+        if (mirror.holds)
+            part = 0.5 * (part + mirror.motion.completeOrthogonalDecomposition().solve(mirror.image * part)).eval();
+    return part;
 }
 
 void LevelProgram::add_cheap_program() {

@@ -53,6 +53,9 @@ public:
     /// Of the present level, that searches by models have: fewer than variables where values are the same for mirror
     /// images.
     int num_directions() const { return num_directions_; }
+    /// The part of a change of y that is its own mirror image, by all images for which the last search has found values
+    /// to be the same; all of it where there are none.
+    Eigen::VectorXd symmetric_part(const Eigen::VectorXd& change) const;
 
     const KnownDesign& known() const { return known_; }  ///< without sensitivities where nothing was differentiated
     /// Of the Lagrangian (as minimized) at the known design. @pre it has sensitivities of all values in it.

@@ -23,9 +23,10 @@ constexpr int max_halvings = 8;
 /// Along a line, by which values are off the parabola through them, as a share of their range. Between the start and
 /// the best design of a first level: 0.056 to 0.14 on eight rippled wings, below 0.042 on 135 of 136 smooth problems.
 constexpr double wavy_share = 0.05;
-constexpr int looks_along = 4;       ///< points between start and best: as many as a batch
-constexpr int shrinks_by_waves = 2;  ///< of the radius of a search by models: those that go well are not looked at
-constexpr int levels_worth = 3;      ///< as many evaluations as the first level has cost must be left
+constexpr int looks_along = 4;         ///< points between start and best: as many as a batch
+constexpr int shrinks_by_waves = 2;    ///< of the radius of a search by models: those that go well are not looked at
+constexpr double visible_gain = 1e-6;  ///< of the objective: less is no line to look along
+constexpr int levels_worth = 3;        ///< as many evaluations as the first level has cost must be left
 
 bool is_better(const MinimizeResult& a, const MinimizeResult& b) {
     if (!std::isfinite(a.best.objective)) return false;
@@ -56,9 +57,11 @@ void WaveWatch::enter_level() {
     goes_back_ = sees_waves_ = false;
 }
 
-bool WaveWatch::may_go_back() const {
-    return !has_gone_back_ && state_.result.levels.size() > 1 && !state_.space.has_patches &&
-           state_.evaluations_left() >= state_.result.evaluations;
+double WaveWatch::as_stated(double objective) const { return state_.problem.maximize ? -objective : objective; }
+
+bool WaveWatch::has_left(double times) const {
+    return state_.evaluations_left() >= times * state_.result.evaluations &&
+           state_.seconds_left() >= times * state_.elapsed();
 }
 
 std::function<bool(double)> WaveWatch::on_misfit() {
@@ -66,16 +69,16 @@ std::function<bool(double)> WaveWatch::on_misfit() {
     return [this](double misfit) {
         if (misfit <= wavy_misfit) return true;
         sees_waves_ = true;
-        is_patient_ |= state_.result.levels.size() == 1;
-        return is_patient_ || !may_go_back();
+        if (state_.result.levels.size() == 1) is_patient_ = is_back_ = true;  // where it would go back to
+        return is_back_ || state_.space.has_patches || !has_left(1);
     };
 }
 
 void WaveWatch::go_back() {
-    goes_back_ = has_gone_back_ = true;
+    goes_back_ = is_back_ = true;
     state_.note(text("level ", state_.space.level,
-                     ": values go up and down along its steps, as of an objective with many minima; the first fields "
-                     "are searched from the start, before others join again"));
+                     " has waves, as of an objective with many minima: the first fields are searched from the start, "
+                     "and to their end before finer ones join"));
 }
 
 std::optional<VectorXd> WaveWatch::another_start(const NonlinearProgram& program, unsigned seed, int number) const {
@@ -86,7 +89,7 @@ std::optional<VectorXd> WaveWatch::another_start(const NonlinearProgram& program
             reach[j] = reach_of_another_start * program_.weight()[j];
     around.lower_of_starts = program.lower.cwiseMax(program.start - reach);
     around.upper_of_starts = program.upper.cwiseMin(program.start + reach);
-    VectorXd change = random_start(around, seed, number) - program.start;
+    VectorXd change = program_.symmetric_part(random_start(around, seed, number) - program.start);
     for (int k = 0; k <= max_halvings; ++k, change *= 0.5) {
         const VectorXd wanted = program.start + change;
         const VectorXd there = program.within ? program.within(wanted) : wanted;
@@ -96,25 +99,30 @@ std::optional<VectorXd> WaveWatch::another_start(const NonlinearProgram& program
 }
 
 bool WaveWatch::may_look_along(const MinimizeOptions& how, const MinimizeResult& first) const {
+    const double gained = std::abs(as_stated(first.best.objective) - state_.result.levels.back().objective_start);
     return is_on_by_values_ && how.method == Method::model && !state_.space.has_patches &&
-           first.shrinks >= shrinks_by_waves && may_go_on(first) &&
-           state_.evaluations_left() >= levels_worth * state_.result.evaluations;
+           first.shrinks >= shrinks_by_waves && may_go_on(first) && has_left(levels_worth) &&
+           gained > visible_gain * std::abs(first.best.objective);
 }
 
-bool WaveWatch::is_wavy_towards(const NonlinearProgram& program, const MinimizeResult& best) {
+bool WaveWatch::is_wavy_towards(const NonlinearProgram& program, MinimizeResult& best) {
     constexpr int count = looks_along + 2;
     std::vector<VectorXd> points;
     for (int k = 1; k + 1 < count; ++k) {
-        points.push_back(program.within(program.start + k / (count - 1.0) * (best.x - program.start)));
-        if (!program.refusal(points.back()).empty()) return false;
+        const VectorXd there = program.start + k / (count - 1.0) * (best.x - program.start);
+        points.push_back(program.within ? program.within(there) : there);
+        if (program.refusal && !program.refusal(points.back()).empty()) return false;
     }
-    program.expect(points);
+    if (program.expect) program.expect(points);
     VectorXd values(count);
-    values[0] = (state_.problem.maximize ? -1 : 1) * state_.result.levels.back().objective_start;
+    values[0] = as_stated(state_.result.levels.back().objective_start);
     values[count - 1] = best.best.objective;
     for (int k = 1; k + 1 < count; ++k) {
-        const Evaluation there = program.evaluate(points[static_cast<std::size_t>(k) - 1]);
+        const VectorXd& x = points[static_cast<std::size_t>(k) - 1];
+        const Evaluation there = program.evaluate(x);
+        ++best.evaluations;
         if (!there.failure.empty()) {
+            ++best.failures;
             failure_ = there.failure;
             return false;
         }
@@ -127,46 +135,78 @@ bool WaveWatch::is_wavy_towards(const NonlinearProgram& program, const MinimizeR
     return off.lpNorm<Eigen::Infinity>() > wavy_share * (values.maxCoeff() - values.minCoeff());
 }
 
-MinimizeResult WaveWatch::ended(MinimizeResult result) const {
-    result.stop = MinimizeStop::failed;
-    result.reason = failure_;
-    return result;
-}
-
 bool WaveWatch::may_go_on(const MinimizeResult& result) const {
     return result.stop != MinimizeStop::failed && !result.gradient_inconsistent && state_.evaluations_left() > 0 &&
            state_.seconds_left() > 0;
 }
 
-MinimizeResult WaveWatch::look_elsewhere(const NonlinearProgram& program, MinimizeOptions how,
-                                         const MinimizeResult& first) {
+MinimizeResult WaveWatch::search(const NonlinearProgram& program, MinimizeOptions how) {
+    how.max_evaluations = std::clamp(how.max_evaluations, 1, std::max(1, state_.evaluations_left()));
+    if (how.max_seconds > 0) how.max_seconds = state_.seconds_left();
+    MinimizeResult found = minimize(program, how);
+    failure_ = found.reason;
+    return found;
+}
+
+MinimizeResult WaveWatch::finished(const NonlinearProgram& program, MinimizeOptions how, MinimizeResult result) {
+    if (how.method == Method::model || result.stop != MinimizeStop::evaluations || !may_go_on(result)) return result;
+    NonlinearProgram rest = program;
+    rest.start = result.x;
+    rest.hessian = result.hessian;
+    how.max_evaluations = state_.evaluations_left();
+    const int before = result.evaluations;
+    const MinimizeResult more = search(rest, how);
+    result = better_of(more, result);
+    result.stop = more.stop;
+    result.reason = more.stop == MinimizeStop::evaluations
+                        ? text("the limit of evaluations", how.scope, " is reached (", before + more.evaluations, ")")
+                        : more.reason;
+    return result;
+}
+
+MinimizeResult WaveWatch::from_another_start(const NonlinearProgram& program, const MinimizeOptions& how,
+                                             const MinimizeResult& first) {
     MinimizeResult best = first;
-    if (may_look_along(how, first)) {
-        sees_waves_ = is_patient_ = is_wavy_towards(program, first);
-        if (sees_waves_)
-            state_.note(text("level ", state_.space.level,
-                             ": between the start and the best design values go up and down, as of an objective with "
-                             "many minima"));
-        if (program_.quantity_failed()) return ended(best);
-    }
-    if (!is_patient_ || !sees_waves_) return best;
     // A search that comes back at once leaves its evaluations to another one.
-    for (int number = 1, left = first.evaluations; 2 * left >= first.evaluations && may_go_on(best); ++number) {
+    int left = first.evaluations;
+    for (int number = 1; 2 * left >= first.evaluations && state_.evaluations_left() >= left; ++number) {
         const std::optional<VectorXd> start = another_start(program, how.seed, number);
-        if (!start) break;
+        if (!start || !may_go_on(best)) break;
+        state_.note(
+            text("level ", state_.space.level, ": many minima; its search begins once more, at random changes"));
         NonlinearProgram other = program;
         other.start = *start;
         other.hessian.resize(0, 0);
-        how.max_evaluations = std::clamp(left, 1, state_.evaluations_left());
-        if (how.max_seconds > 0) how.max_seconds = state_.seconds_left();
-        const MinimizeResult found = minimize(other, how);
-        state_.note(text("level ", state_.space.level, ": objective ", best.best.objective, " before, ",
-                         found.best.objective, " from another start after ", found.evaluations, " evaluations"));
+        MinimizeOptions again = how;
+        again.max_evaluations = left;
+        const MinimizeResult found = search(other, again);
+        const auto words = [&](const MinimizeResult& end) {
+            return std::isfinite(end.best.objective)
+                       ? text("objective ", as_stated(end.best.objective), end.is_feasible ? "" : ", not feasible")
+                       : std::string("no value");
+        };
+        state_.note(text("level ", state_.space.level, ": ", words(found), " after ", found.evaluations,
+                         " evaluations from there, ", words(best), " before"));
         left -= std::max(1, found.evaluations);
         best = better_of(best, found);
-        failure_ = found.reason;
-        if (program_.quantity_failed()) return ended(best);
+        if (program_.quantity_failed()) break;
     }
+    return best;
+}
+
+MinimizeResult WaveWatch::look_elsewhere(const NonlinearProgram& program, const MinimizeOptions& how,
+                                         const MinimizeResult& first) {
+    MinimizeResult best = first;
+    if (may_look_along(how, first)) sees_waves_ = is_patient_ = is_wavy_towards(program, best);
+    if (is_patient_ && sees_waves_) {
+        best = finished(program, how, best);
+        if (!program_.quantity_failed()) best = from_another_start(program, how, best);
+        if (!program_.quantity_failed()) best = finished(program, how, best);
+    }
+    if (best.stop == MinimizeStop::evaluations && best.evaluations > first.evaluations)
+        best.reason = text("the limit of evaluations", how.scope, " is reached (", best.evaluations, ")");
+    if (program_.quantity_failed() && first.stop != MinimizeStop::failed)
+        best.stop = MinimizeStop::failed, best.reason = failure_;
     return best;
 }
 

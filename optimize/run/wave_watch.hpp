@@ -35,29 +35,37 @@ public:
     bool goes_back() const { return goes_back_; }
 
     /// After the search of a first level: where that has waves, it is searched from another start, or from more than
-    /// one, for about as many evaluations as `first` has cost. Returns the best result, with the counts of all; where
-    /// it has none, or no other start has a valid shape, `first`. A quantity that fails for good ends the result, too.
+    /// one, for about as many evaluations as `first` has cost; by gradients each search that its share has cut goes on
+    /// to its end. Returns the best result, with the counts of all; where there are no waves, no other start has a
+    /// valid shape, or too few evaluations are left, `first`. A quantity that fails for good ends the result, too.
     /// @param how of the first search
-    MinimizeResult look_elsewhere(const NonlinearProgram& program, MinimizeOptions how, const MinimizeResult& first);
+    MinimizeResult look_elsewhere(const NonlinearProgram& program, const MinimizeOptions& how,
+                                  const MinimizeResult& first);
 
 private:
-    bool may_go_back() const;
+    double as_stated(double objective) const;
+    /// So many times the evaluations, and the time, that the run has cost are left.
+    bool has_left(double times) const;
     bool may_go_on(const MinimizeResult& result) const;
     /// The search by values that has ended so may have been kept by waves, and the run can afford to look.
     bool may_look_along(const MinimizeOptions& how, const MinimizeResult& first) const;
-    /// Evaluates points between the level's start and the best one. False, too, where one has no values.
-    bool is_wavy_towards(const NonlinearProgram& program, const MinimizeResult& best);
-    /// Random changes of the fields, halved until the shape is valid. Nothing: none is.
+    /// Evaluates points between the level's start and the best one, and counts them there. False, too, where one has
+    /// no values.
+    bool is_wavy_towards(const NonlinearProgram& program, MinimizeResult& best);
+    /// Random changes of the fields, symmetric where values are, and halved until the shape is valid. Nothing: none is.
     std::optional<Eigen::VectorXd> another_start(const NonlinearProgram& program, unsigned seed, int number) const;
-    /// By `failure_`.
-    MinimizeResult ended(MinimizeResult result) const;
+    MinimizeResult search(const NonlinearProgram& program, MinimizeOptions how);
+    MinimizeResult finished(const NonlinearProgram& program, MinimizeOptions how, MinimizeResult result);
+    MinimizeResult from_another_start(const NonlinearProgram& program, const MinimizeOptions& how,
+                                      const MinimizeResult& first);
 
     RunState& state_;
     LevelProgram& program_;
     const bool is_on_, is_on_by_values_;
     bool is_patient_ = false, sees_waves_ = false;  ///< on the present level
-    bool goes_back_ = false, has_gone_back_ = false;
-    std::string failure_;
+    bool goes_back_ = false;
+    bool is_back_ = false;  ///< the first fields are or were searched patiently: once is enough
+    std::string failure_;   ///< why the last search, or look, ended
 };
 
 }  // namespace strake

@@ -94,7 +94,7 @@ Seen run(const Problem& problem) {
     RunEvents events;
     events.evaluation = [&](const EvaluationRecord& r) { seen.objectives.push_back(r.objective); };
     events.level = [&](const LevelStart& level) { seen.sizes.push_back(level.space.size()); };
-    events.note = [&](const std::string& words) { seen.has_noted |= words.find("up and down") != std::string::npos; };
+    events.note = [&](const std::string& words) { seen.has_noted |= words.find("many minima") != std::string::npos; };
     seen.result = optimize(problem, events);
     return seen;
 }
@@ -180,6 +180,49 @@ TEST(WaveWatch, ByValuesARunLooksForWavesAndBeginsAgain) {
     EXPECT_TRUE(std::equal(before.objectives.begin(), before.objectives.begin() + first, seen.objectives.begin()))
         << "up to there they are the same";
     EXPECT_FALSE(run(by_values(0)).has_noted);
+}
+
+/// Fields alone, none finer: what its share has cut is searched to its end.
+TEST(WaveWatch, WhereTheFirstFieldsAreTheLastTheBudgetIsNotLeftOver) {
+    Problem problem = many_minima(0.3);
+    problem.parameters.kinds.clear();
+    problem.parameters.field_steps = {60};
+    problem.optimize.max_evaluations = 150;
+    for (const unsigned seed : {1u, 2u, 3u}) {
+        problem.optimize.seed = seed;
+        const Seen seen = run(problem);
+        EXPECT_TRUE(seen.has_noted);
+        EXPECT_TRUE(seen.result.is_done() || seen.result.evaluations > 140)
+            << seen.result.evaluations << ' ' << seen.result.status << ' ' << seen.result.reason;
+    }
+}
+
+/// As a run that is resumed with a larger budget: the search goes on from where it was, and begins again after that.
+TEST(WaveWatch, ASearchThatWasCutIsFinishedFirst) {
+    Problem problem = many_minima(0.3);
+    const Seen all = run(problem);
+    const std::size_t back = return_of(all);
+    ASSERT_GT(back, 0u);
+    int before = 0;
+    for (std::size_t k = 0; k < back; ++k) before += all.result.levels[k].evaluations;
+    problem.optimize.max_evaluations = 2 * before + 4;  // the first fields get a share of what is left
+    const Seen cut = run(problem);
+    const auto& level = cut.result.levels.back();
+    EXPECT_EQ(cut.sizes.back(), all.sizes[back]) << "nothing else has joined";
+    EXPECT_EQ(level.evaluations, cut.result.evaluations - before) << "all that is left is its own";
+    EXPECT_TRUE(std::equal(cut.objectives.begin(), cut.objectives.end(), all.objectives.begin())) << "one search";
+}
+
+/// The best design is the start: there is no line to look along, and rounding makes no waves.
+TEST(WaveWatch, AStartThatIsTheBestHasNoWaves) {
+    Problem problem = by_values(0);
+    problem.quantities[0].evaluate = [start = problem.surface.vertices](const QuantityRequest& asked) {
+        return QuantityResult{{1.2345 + (asked.surface.vertices - start).squaredNorm()}, {}, {}};
+    };
+    const Seen seen = run(problem);
+    EXPECT_FALSE(seen.has_noted);
+    problem.optimize.ignores_waves = true;
+    EXPECT_EQ(seen.objectives, run(problem).objectives);
 }
 
 /// A quantity that fails for good while the run looks around, or begins again, ends it.

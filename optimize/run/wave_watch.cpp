@@ -186,7 +186,7 @@ MinimizeResult WaveWatch::from_another_start(const NonlinearProgram& program, co
                        : std::string("no value");
         };
         state_.note(text("level ", state_.space.level, ": ", words(found), " after ", found.evaluations,
-                         " evaluations from there, ", words(best), " before"));
+                         " evaluations from there; before, ", words(best)));
         left -= std::max(1, found.evaluations);
         best = better_of(best, found);
         if (program_.quantity_failed()) break;

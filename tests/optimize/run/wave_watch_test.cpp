@@ -205,12 +205,13 @@ TEST(WaveWatch, ASearchThatWasCutIsFinishedFirst) {
     ASSERT_GT(back, 0u);
     int before = 0;
     for (std::size_t k = 0; k < back; ++k) before += all.result.levels[k].evaluations;
-    problem.optimize.max_evaluations = 2 * before + 4;  // the first fields get a share of what is left
+    problem.optimize.max_evaluations = before + 16;  // the first fields get a share of these, and take 22
     const Seen cut = run(problem);
     const auto& level = cut.result.levels.back();
     EXPECT_EQ(cut.sizes.back(), all.sizes[back]) << "nothing else has joined";
     EXPECT_EQ(level.evaluations, cut.result.evaluations - before) << "all that is left is its own";
-    EXPECT_TRUE(std::equal(cut.objectives.begin(), cut.objectives.end(), all.objectives.begin())) << "one search";
+    // Random changes lead to 1.9; the search that was cut is at 0.66, and falls.
+    EXPECT_LT(*std::max_element(cut.objectives.end() - 8, cut.objectives.end()), 0.6 * cut.objectives[0]);
 }
 
 /// The best design is the start: there is no line to look along, and rounding makes no waves.

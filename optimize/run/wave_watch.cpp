@@ -23,8 +23,9 @@ constexpr int max_halvings = 8;
 /// Along a line, by which values are off the parabola through them, as a share of their range. Between the start and
 /// the best design of a first level: 0.056 to 0.14 on eight rippled wings, below 0.042 on 135 of 136 smooth problems.
 constexpr double wavy_share = 0.05;
-constexpr int looks_along = 4;         ///< points between start and best: as many as a batch
-constexpr int shrinks_by_waves = 2;    ///< of the radius of a search by models: those that go well are not looked at
+constexpr int looks_along = 4;  ///< points between start and best: as many as a batch
+/// Of the radius of a search by models, and evaluations of batches that ended so: what goes well is not looked at.
+constexpr int shrinks_by_waves = 2, evaluations_by_waves = 8;
 constexpr double visible_gain = 1e-6;  ///< of the objective: less is no line to look along
 constexpr int levels_worth = 3;        ///< as many evaluations as the first level has cost must be left
 
@@ -101,8 +102,8 @@ std::optional<VectorXd> WaveWatch::another_start(const NonlinearProgram& program
 bool WaveWatch::may_look_along(const MinimizeOptions& how, const MinimizeResult& first) const {
     const double gained = std::abs(as_stated(first.best.objective) - state_.result.levels.back().objective_start);
     return is_on_by_values_ && how.method == Method::model && !state_.space.has_patches &&
-           first.shrinks >= shrinks_by_waves && may_go_on(first) && has_left(levels_worth) &&
-           gained > visible_gain * std::abs(first.best.objective);
+           first.shrinks >= shrinks_by_waves && how.batch * first.shrinks >= evaluations_by_waves && may_go_on(first) &&
+           has_left(levels_worth) && gained > visible_gain * std::abs(first.best.objective);
 }
 
 bool WaveWatch::is_wavy_towards(const NonlinearProgram& program, MinimizeResult& best) {

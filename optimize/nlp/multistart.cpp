@@ -46,7 +46,7 @@ private:
         shrinks_ += r.shrinks;
         failures_ += r.failures;
         confirmations_ += r.confirmations;
-        if (k == 0 || is_better(r)) best_ = r, best_start_ = k;
+        if (k == 0 || is_better(r, best_)) best_ = r, best_start_ = k;
         is_over_ = r.stop == MinimizeStop::stopped || r.best.is_fatal || is_fatal_;
         if (options_.on_event)
             options_.on_event(text("start ", k + 1, " of ", options_.starts, ": ",
@@ -58,13 +58,6 @@ private:
     double now() const {
         if (options_.clock) return options_.clock();
         return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-    }
-
-    bool is_better(const MinimizeResult& r) const {
-        if (!std::isfinite(r.best.objective)) return false;
-        if (!std::isfinite(best_.best.objective)) return true;
-        if (r.is_feasible != best_.is_feasible) return r.is_feasible;
-        return r.is_feasible ? r.best.objective < best_.best.objective : r.violation < best_.violation;
     }
 
     /// Passes the step on with "best" over all starts.
@@ -98,6 +91,13 @@ private:
 };
 
 }  // namespace
+
+bool is_better(const MinimizeResult& a, const MinimizeResult& b) {
+    if (!std::isfinite(a.best.objective)) return false;
+    if (!std::isfinite(b.best.objective)) return true;
+    if (a.is_feasible != b.is_feasible) return a.is_feasible;
+    return a.is_feasible ? a.best.objective < b.best.objective : a.violation < b.violation;
+}
 
 VectorXd random_start(const NonlinearProgram& p, unsigned seed, int number) {
     std::seed_seq words{seed, static_cast<unsigned>(number)};

@@ -141,7 +141,7 @@ private:
     /// True: on to this level. A level that was left for details that turn out to be worth nothing is finished first.
     bool finish_or_refine(Eigen::VectorXd& x, MinimizeResult& level, std::optional<LevelSet>& next) {
         is_in_noise_ = level.stop == MinimizeStop::roundoff;
-        if (is_last_ || !may_continue(level) || !state_.can_refine()) return false;
+        if (is_last_ || !may_continue(state_, level) || !state_.can_refine()) return false;
         if (choose_next(x, next)) return true;
         const bool order_ends = !state_.can_refine();
         const bool was_left = level.stop == MinimizeStop::stopped || level.stop == MinimizeStop::outpaced ||
@@ -150,7 +150,8 @@ private:
         level = run_level(x, Entry::finished);
         x = level.x;
         is_in_noise_ = level.stop == MinimizeStop::roundoff;
-        return may_continue(level) && choose_next(x, next);  // it may have come to where details are worth something
+        return may_continue(state_, level) &&
+               choose_next(x, next);  // it may have come to where details are worth something
     }
 
     static bool ended_at_limit(const MinimizeResult& level) {
@@ -163,7 +164,8 @@ private:
         const OptimizeOptions& options = state_.problem.optimize;
         const Parameters& p = state_.rest->parameters;
         const bool may = level.stop == MinimizeStop::converged && options.method == Method::sqp &&
-                         !options.keeps_ranges && limits_motion(p) && !p.limits_variables && may_continue(level);
+                         !options.keeps_ranges && limits_motion(p) && !p.limits_variables &&
+                         may_continue(state_, level);
         if (!may || level.active_bounds == 0) return false;
         const double used = program_.motion_at_end(level.best).used;
         if (!(used < (widened_ > 1 ? full_limit : idle_limit))) return false;
@@ -201,11 +203,6 @@ private:
         const bool is_model = state_.problem.optimize.method == Method::model;
         const double ratio = is_model ? 1 : std::min(state_.range_ratio, max_range_ratio);
         return widened_ * ratio * MinimizeOptions().max_step;
-    }
-
-    bool may_continue(const MinimizeResult& level) const {
-        return level.stop != MinimizeStop::failed && !level.gradient_inconsistent && state_.evaluations_left() > 0 &&
-               state_.seconds_left() > 0;
     }
 
     /// By `LevelOrder`, else as the tree has it. False: that order ends.

@@ -132,4 +132,10 @@ private:
     bool needs_differences_ = false, quantity_failed_ = false, last_failed_in_quantity_ = false;
 };
 
+/// After a level whose search has ended so: nothing is wrong for good, and there is budget left.
+inline bool may_continue(const RunState& state, const MinimizeResult& level) {
+    return level.stop != MinimizeStop::failed && !level.gradient_inconsistent && state.evaluations_left() > 0 &&
+           state.seconds_left() > 0;
+}
+
 }  // namespace strake

@@ -29,13 +29,6 @@ constexpr int shrinks_by_waves = 2, evaluations_by_waves = 8;
 constexpr double visible_gain = 1e-6;  ///< of the objective: less is no line to look along
 constexpr int levels_worth = 3;        ///< as many evaluations as the first level has cost must be left
 
-bool is_better(const MinimizeResult& a, const MinimizeResult& b) {
-    if (!std::isfinite(a.best.objective)) return false;
-    if (!std::isfinite(b.best.objective)) return true;
-    if (a.is_feasible != b.is_feasible) return a.is_feasible;
-    return a.is_feasible ? a.best.objective < b.best.objective : a.violation < b.violation;
-}
-
 MinimizeResult better_of(const MinimizeResult& a, const MinimizeResult& b) {
     MinimizeResult best = is_better(b, a) ? b : a;
     best.evaluations = a.evaluations + b.evaluations;
@@ -102,8 +95,9 @@ std::optional<VectorXd> WaveWatch::another_start(const NonlinearProgram& program
 bool WaveWatch::may_look_along(const MinimizeOptions& how, const MinimizeResult& first) const {
     const double gained = std::abs(as_stated(first.best.objective) - state_.result.levels.back().objective_start);
     return is_on_by_values_ && how.method == Method::model && !state_.space.has_patches &&
-           first.shrinks >= shrinks_by_waves && how.batch * first.shrinks >= evaluations_by_waves && may_go_on(first) &&
-           has_left(levels_worth) && gained > visible_gain * std::abs(first.best.objective);
+           first.shrinks >= shrinks_by_waves && how.batch * first.shrinks >= evaluations_by_waves &&
+           may_continue(state_, first) && has_left(levels_worth) &&
+           gained > visible_gain * std::abs(first.best.objective);
 }
 
 bool WaveWatch::is_wavy_towards(const NonlinearProgram& program, MinimizeResult& best) {
@@ -136,11 +130,6 @@ bool WaveWatch::is_wavy_towards(const NonlinearProgram& program, MinimizeResult&
     return off.lpNorm<Eigen::Infinity>() > wavy_share * (values.maxCoeff() - values.minCoeff());
 }
 
-bool WaveWatch::may_go_on(const MinimizeResult& result) const {
-    return result.stop != MinimizeStop::failed && !result.gradient_inconsistent && state_.evaluations_left() > 0 &&
-           state_.seconds_left() > 0;
-}
-
 MinimizeResult WaveWatch::search(const NonlinearProgram& program, MinimizeOptions how) {
     how.max_evaluations = std::clamp(how.max_evaluations, 1, std::max(1, state_.evaluations_left()));
     if (how.max_seconds > 0) how.max_seconds = state_.seconds_left();
@@ -150,18 +139,16 @@ MinimizeResult WaveWatch::search(const NonlinearProgram& program, MinimizeOption
 }
 
 MinimizeResult WaveWatch::finished(const NonlinearProgram& program, MinimizeOptions how, MinimizeResult result) {
-    if (how.method == Method::model || result.stop != MinimizeStop::evaluations || !may_go_on(result)) return result;
+    if (how.method == Method::model || result.stop != MinimizeStop::evaluations || !may_continue(state_, result))
+        return result;
     NonlinearProgram rest = program;
     rest.start = result.x;
     rest.hessian = result.hessian;
     how.max_evaluations = state_.evaluations_left();
-    const int before = result.evaluations;
     const MinimizeResult more = search(rest, how);
     result = better_of(more, result);
     result.stop = more.stop;
-    result.reason = more.stop == MinimizeStop::evaluations
-                        ? text("the limit of evaluations", how.scope, " is reached (", before + more.evaluations, ")")
-                        : more.reason;
+    result.reason = more.reason;
     return result;
 }
 
@@ -172,7 +159,7 @@ MinimizeResult WaveWatch::from_another_start(const NonlinearProgram& program, co
     int left = first.evaluations;
     for (int number = 1; 2 * left >= first.evaluations && state_.evaluations_left() >= left; ++number) {
         const std::optional<VectorXd> start = another_start(program, how.seed, number);
-        if (!start || !may_go_on(best)) break;
+        if (!start || !may_continue(state_, best)) break;
         state_.note(
             text("level ", state_.space.level, ": many minima; its search begins once more, at random changes"));
         NonlinearProgram other = program;

@@ -46,7 +46,6 @@ private:
     double as_stated(double objective) const;
     /// So many times the evaluations, and the time, that the run has cost are left.
     bool has_left(double times) const;
-    bool may_go_on(const MinimizeResult& result) const;
     /// The search by values that has ended so may have been kept by waves, and the run can afford to look.
     bool may_look_along(const MinimizeOptions& how, const MinimizeResult& first) const;
     /// Evaluates points between the level's start and the best one, and counts them there. False, too, where one has

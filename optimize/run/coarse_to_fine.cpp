@@ -313,6 +313,7 @@ private:
                               : how.method == Method::model ? order_.evaluations().value_or(budget_.by_models())
                               : how.method == Method::sqp && may_try() ? state_.evaluations_left()
                                                                        : budget_.by_differences();
+        how.limit_while_gaining = order_.limit_while_gaining();
         how.max_seconds = state_.limits().seconds > 0 ? std::max(state_.seconds_left(), 1e-9) : 0;
         how.clock = [&] { return state_.elapsed(); };
         how.confirm = last;

@@ -182,4 +182,11 @@ std::optional<int> LevelOrder::evaluations() const {
     return {};
 }
 
+int LevelOrder::limit_while_gaining() const {
+    const OptimizeOptions& options = state_.problem.optimize;
+    const bool may_go_on = options.method == Method::model && !options.levels_end_at_limits && budget_.begins_quickly();
+    const bool is_first_or_trial = stage_ == Stage::first || stage_ == Stage::trial;
+    return may_go_on && !is_first_or_trial ? state_.evaluations_left() / 2 : 0;
+}
+
 }  // namespace strake

@@ -24,6 +24,9 @@ public:
     bool has_finer_below() const;
     /// Of the present level. Nothing: by `LevelBudget::by_models`.
     std::optional<int> evaluations() const;
+    /// `MinimizeOptions::limit_while_gaining` of the present level: half of what is left. 0: no more than its limit, on
+    /// the first level, in a trial, and where the run is not a long one by models.
+    int limit_while_gaining() const;
 
 private:
     enum class Stage { first, trial, patches, fields, both, together, as_the_tree };

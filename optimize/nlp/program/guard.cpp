@@ -205,7 +205,7 @@ double Guard::gained(double objective) const {
 }
 
 std::string Guard::limit_words() const {
-    const int all = options.max_evaluations;
+    const int all = std::max(options.max_evaluations, limit);
     const int before = options.evaluations_before;
     return text("the limit of evaluations", options.scope, " is reached (",
                 evaluations < all ? text(before + evaluations, " of ", before + all) : text(before + all), ")");

@@ -51,6 +51,9 @@ struct MinimizeOptions {
     bool pays_without_shape = false;
     /// The same of the steps of `sqp`: none is looked at before it is evaluated.
     bool steps_pay_without_shape = false;
+    /// The meaning of earlier runs, of `model`: where models are sure that nothing is better next to the best point,
+    /// all of a batch stays there, though there are directions that nothing has been tried along.
+    bool stays_where_models_are_sure = false;
     /// sqp: the damping of a step that is too long is found by secants, not by bisection: where evaluations cost less
     /// than solving for a step.
     bool damps_by_secants = false;
@@ -74,6 +77,9 @@ struct MinimizeOptions {
     std::vector<int> first_alone;
     /// model: the limit of evaluations is for all variables, and shrinks with what mirror images leave of them.
     bool limit_follows_variables = false;
+    /// model: what the limit of evaluations may grow to. Where the last quarter of the evaluations has gained a quarter
+    /// of all that the search has, it has a quarter more, again and again. 0: `max_evaluations` is all.
+    int limit_while_gaining = 0;
     bool confirm = true;  ///< converged only when a fresh start at the end gains nothing more
     /// The given one, then random ones within the bounds, which must be finite. They share the budget.
     int starts = 1;

@@ -3,12 +3,12 @@
 #include "core/error.hpp"
 #include "optimize/nlp/program/first_order.hpp"
 #include "optimize/nlp/surrogate/allowed_minimum.hpp"
+#include "optimize/nlp/surrogate/first_directions.hpp"
 #include "optimize/nlp/surrogate/mirror_directions.hpp"
+#include "optimize/nlp/surrogate/pace.hpp"
 #include "optimize/nlp/surrogate/restored_design.hpp"
-#include "optimize/nlp/surrogate/spread.hpp"
 
 #include <Eigen/Eigenvalues>
-#include <Eigen/QR>
 #include <cmath>
 #include <iterator>
 #include <memory>
@@ -33,6 +33,7 @@ constexpr double min_radius = 1e-4;       ///< times the first: below it no mode
 constexpr double min_distance = 1e-6;     ///< radii between two points
 constexpr double same_point = 1e-9;       ///< in z: round-off of inherited designs
 constexpr double next_to = 1e-2;          ///< radii
+constexpr double looks_away = 0.2;  ///< radii of its region: what is nearer to the best point looks at nothing new
 constexpr double penalty_over_multiplier = 2;
 constexpr int idle_steps = 2, max_forgotten_borders = 3;
 constexpr double kept_length = 0.5;       ///< of a step that exact limits shorten: less is tried the other way
@@ -70,7 +71,7 @@ public:
         points_.add(guard_.best_x, guard_.best);
         add_known();
         look_for_symmetry();
-        directions_ = spread_directions();
+        directions_ = first_directions(guard_, points_, !guard_.options.limits_by_models && !known().rows().empty());
         while (!has_ended_) step();
         end_.radius = radius_;
         if (without_shape_ > 0)
@@ -137,55 +138,6 @@ private:
         return batch.size() > before && (batch.back().z - centre().z - step).norm() <= next_to * step.norm();
     }
 
-    bool has_moved(int axis) const {
-        // Exact limits move steps a little along all axes.
-        const double least = guard_.options.limits_by_models || known().rows().empty() ? same_point : next_to * radius_;
-        for (int i = 1; i < points_.size(); ++i)
-            if (std::abs(points_[i].z[axis] - points_[0].z[axis]) > least) return true;
-        return false;
-    }
-
-    /// The axes of z are the variables, each without what those before it can do: whitening is by a triangular matrix.
-    /// What points that are known have not moved yet comes first.
-    MatrixXd directions_in_order() const {
-        const auto d = static_cast<int>(points_.dimensions());
-        const MatrixXd axes = MatrixXd::Identity(d, d);
-        std::vector<int> order;
-        for (const bool is_known : {false, true})
-            for (int k = 0; k < d; ++k)
-                if (has_moved(k) == is_known) order.push_back(k);
-        return axes(Eigen::all, order);
-    }
-
-    /// Of `first_alone`, to where bounds leave more room.
-    MatrixXd directions_alone() const {
-        const NonlinearProgram& p = program();
-        MatrixXd all(points_.dimensions(), 0);
-        if (points_.size() > 1) return all;  // known designs have moved them
-        for (const int j : guard_.options.first_alone) {
-            const auto at = std::ranges::find(guard_.free, j);
-            const bool is_enough = 2 * all.cols() >= guard_.options.batch || all.cols() == points_.dimensions();
-            if (at == guard_.free.end() || is_enough) continue;
-            const double sign = p.upper[j] - p.start[j] < p.start[j] - p.lower[j] ? -1 : 1;
-            all.conservativeResize(Eigen::NoChange, all.cols() + 1);
-            all.rightCols(1) = sign * points_.by_variables().col(at - guard_.free.begin());
-        }
-        return all;
-    }
-
-    /// Orthogonal directions in z.
-    MatrixXd spread_directions() const {
-        const auto d = static_cast<int>(points_.dimensions());
-        if (guard_.options.tries_in_order) return directions_in_order();
-        MatrixXd cloud = latin_hypercube(d, d, guard_.options.seed).array() - 0.5;
-        const MatrixXd alone = directions_alone();
-        cloud.leftCols(alone.cols()) = alone;
-        MatrixXd directions = Eigen::HouseholderQR<MatrixXd>(cloud).householderQ();
-        for (Eigen::Index k = 0; k < alone.cols(); ++k)
-            if (directions.col(k).dot(alone.col(k)) < 0) directions.col(k) *= -1;
-        return directions;
-    }
-
     double merit(const VectorXd& values) const {
         VectorXd constraints = values.tail(values.size() - 1);
         for (const Eigen::Index i : exact_rows())  // rounding next to exact limits tells no designs apart
@@ -216,6 +168,7 @@ private:
 
     void step() {
         centre_ = best_point();
+        go_on_while_gaining();
         if (points_.size() > 1) {
             models_ = std::make_unique<LocalModels>(points_, centre().z, radius_, !guard_.options.learns_as_before,
                                                     models_.get());
@@ -226,7 +179,7 @@ private:
         region_.centre = centre().z;
         region_.cut = border_cut();
         look_at_limits();
-        refused_ = 0;
+        refused_ = 0, looks_along_ = false;
         const std::vector<Proposal> batch = models_ ? propose() : first_batch();
         if (!ends_here(batch)) evaluate(batch);
     }
@@ -308,6 +261,17 @@ private:
     int places() const { return std::max(0, std::min(guard_.options.batch, left_for_batches())); }
     /// The last batch has nothing to learn for.
     bool is_last_batch() const { return left_for_batches() <= guard_.options.batch; }
+    /// A limit that may grow does so before what would be the last batch, which is another one.
+    void go_on_while_gaining() {
+        pace_.note(guard_.evaluations, centre().values);
+        const int most = guard_.options.limit_while_gaining - guard_.limit, batch = guard_.options.batch;
+        if (most < batch || !is_last_batch()) return;
+        if (!pace_.holds([this](const VectorXd& values) { return merit(values); })) return;
+        const int more = std::min(most, std::max(batch, pace_.part()));
+        guard_.limit += more;
+        guard_.report_event(text("the limit of evaluations", guard_.options.scope, " grows by ", more,
+                                 ": the last quarter of them has gained a quarter of all or more"));
+    }
     VectorXd next_direction() { return directions_.col(used_directions_++ % directions_.cols()); }
 
     /// Nothing is known but the start: points around it.
@@ -422,12 +386,21 @@ private:
             const VectorXd c = region_.centre;
             const VectorXd from = exploits ? c : VectorXd(c + 0.5 * region_.radius * next_direction());
             const std::size_t before = batch.size();
-            add(batch, minimum_.of(models, exploits ? 0 : confidence, from), region_.radius);
+            VectorXd there = minimum_.of(models, exploits ? 0 : confidence, from);
+            if (!exploits && stays_where_sure(there)) there = along(exploring_radius * radius_), looks_along_ = true;
+            add(batch, there, region_.radius);
             if (batch.size() == before) add(batch, along(exploring_radius * radius_), region_.radius);
             if (batch.size() > before) models.believe(batch.back().z);
             if (is_last) keep_distance(batch);
         }
         region_.margin = margin;
+    }
+
+    /// A few directions whose slopes are zero make models sure that those that nothing has been tried along are alike:
+    /// then all that is proposed is next to the best point, and nothing more is learned.
+    bool stays_where_sure(const VectorXd& there) const {
+        return !guard_.options.stays_where_models_are_sure && used_directions_ < directions_.cols() &&
+               (points_.whitened(there) - region_.centre).norm() < looks_away * region_.radius;
     }
 
     /// Nothing comes after this batch to go back from a constraint that is missed by a little: one point after another
@@ -557,6 +530,7 @@ private:
 
     void resize(double gained, double expected, double length) {
         const double largest = max_radius * guard_.options.first_step;
+        if (gained <= 0 && looks_along_) return;  // nothing was expected: it says nothing of the models' reach
         if (gained <= 0)
             radius_ *= 0.5, ++end_.shrinks;
         else if (length > 1.2 * radius_)
@@ -583,6 +557,7 @@ private:
     AllowedDesigns allowed_;  ///< from where the search stands
     VectorXd nearest_;        ///< z next to that, within exact limits
     AllowedMinimum minimum_;
+    Pace pace_;
     MatrixXd directions_;
     Eigen::Index used_directions_ = 0;
     std::unique_ptr<LocalModels> models_;
@@ -590,6 +565,7 @@ private:
     bool restores_equations_ = false, restores_limits_ = false;  ///< leads back to them
     int restored_at_ = 0, final_restorations_ = 0, without_shape_ = 0, refused_ = 0;
     ModelEnd end_;
+    bool looks_along_ = false;  ///< the last batch does, in the place of what stays next to the best point
     bool has_ended_ = false;
 };
 

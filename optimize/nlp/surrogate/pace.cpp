@@ -1,0 +1,24 @@
+#include "optimize/nlp/surrogate/pace.hpp"
+
+namespace strake {
+namespace {
+
+constexpr int parts = 4;
+
+}  // namespace
+
+void Pace::note(int evaluations, const Eigen::VectorXd& best) { notes_.push_back({evaluations, best}); }
+
+int Pace::part() const { return notes_.empty() ? 0 : (notes_.back().evaluations - notes_.front().evaluations) / parts; }
+
+bool Pace::holds(const std::function<double(const Eigen::VectorXd&)>& merit) const {
+    if (notes_.empty()) return false;
+    const int begin = notes_.front().evaluations, spent = notes_.back().evaluations - begin;
+    const double start = merit(notes_.front().best), now = merit(notes_.back().best);
+    double before_last = start;
+    for (const Note& note : notes_)
+        if (parts * (note.evaluations - begin) <= (parts - 1) * spent) before_last = merit(note.best);
+    return start > now && parts * (before_last - now) >= start - now;
+}
+
+}  // namespace strake

@@ -522,4 +522,25 @@ TEST(ModelRun, FieldsComeBackBesideTheFinestPatches) {
     EXPECT_EQ(notes.find("come back"), std::string::npos) << "a run of before";
 }
 
+/// Not the first fields, nor the trial of patches after them; and only in a run of now.
+TEST(ModelRun, LevelsOfALongRunGoOnWhileTheyGain) {
+    Problem problem = with_fine_patches(200);
+    const auto grown = [](const Told& told) {  // numbers of these levels
+        std::vector<int> levels;
+        const std::string words = "the limit of evaluations of level ";
+        for (std::size_t at = told.notes.find(words); at != std::string::npos; at = told.notes.find(words, at + 1))
+            if (told.notes.find(" grows by ", at) == told.notes.find(' ', at + words.size()))
+                levels.push_back(std::stoi(told.notes.substr(at + words.size())));
+        return levels;
+    };
+    const Told now = run(problem);
+    const std::vector<int> levels = grown(now);
+    ASSERT_FALSE(levels.empty()) << now.notes;
+    EXPECT_GE(*std::ranges::min_element(levels), 2) << now.notes;
+    EXPECT_LE(now.result.evaluations, 200);
+    EXPECT_EQ(run(problem).result.vertices, now.result.vertices) << "bit for bit";
+    problem.optimize.levels_end_at_limits = true;
+    EXPECT_EQ(grown(run(problem)), std::vector<int>{});
+}
+
 }  // namespace strake

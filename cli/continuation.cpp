@@ -112,7 +112,6 @@ void keep_meaning(Case& the_case, int meaning) {
     the_case.optimize.sees_parts_alone = meaning < since_parts_of_parts_are_seen;
     the_case.optimize.refines_whole_fronts = meaning < since_patches_are_single;
     the_case.optimize.ignores_waves |= meaning < since_waves_are_seen;
-    the_case.optimize.stays_where_models_are_sure = meaning < since_levels_go_on;
     the_case.optimize.levels_end_at_limits = meaning < since_levels_go_on;
 }
 

@@ -46,8 +46,6 @@ constexpr EarlierWay earlier_ways[] = {
      "model asks whole batches on the first level of fields, too"},
     {"--parts-alone", &OptimizeOptions::sees_parts_alone, "refinement looks at parts of patches alone, never deeper"},
     {"--ignore-waves", &OptimizeOptions::ignores_waves, "steps are not watched for waves of many minima"},
-    {"--stays-where-sure", &OptimizeOptions::stays_where_models_are_sure,
-     "model stays next to the best point where its models are sure, whatever was never tried"},
     {"--levels-end", &OptimizeOptions::levels_end_at_limits, "levels of model end at their limits, though they gain"},
     {"--whole-fronts", &OptimizeOptions::refines_whole_fronts, "beside fields all patches of a front have variables"},
     {"--whole-energies", &OptimizeOptions::counts_whole_energy, "elastic energies count wholly beside fields"},

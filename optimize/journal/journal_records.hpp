@@ -77,9 +77,7 @@ struct JournalFacts {
     /// triangles as near to the middle `hold: point` takes one, whatever rounding says; 27: by gradients single patches
     /// have variables beside fields (`OptimizeOptions::refines_whole_fronts`); 28: runs with fields look for waves of
     /// many minima, go back to the first fields, and begin there once more (`OptimizeOptions::ignores_waves`); 29:
-    /// searches by models look along directions that nothing has been tried along, though models are sure
-    /// (`MinimizeOptions::stays_where_models_are_sure`), and levels of long ones go on while they gain
-    /// (`OptimizeOptions::levels_end_at_limits`).
+    /// levels of long runs by models go on while they gain (`OptimizeOptions::levels_end_at_limits`).
     int meaning = latest_meaning;
     std::vector<std::string> values, parameters;  ///< names of the values and of the parameters
     std::map<std::string, std::string> files;     ///< hash of each file that the case names

@@ -232,8 +232,6 @@ struct OptimizeOptions {
     /// The meaning of earlier runs, and of those that state `starts`: steps are not watched for waves
     /// (`looks_for_waves`).
     bool ignores_waves = false;
-    /// The meaning of earlier runs: `MinimizeOptions::stays_where_models_are_sure`.
-    bool stays_where_models_are_sure = false;
     /// The meaning of earlier runs: levels of long ones by models end at their limits, though they still gain
     /// (`MinimizeOptions::limit_while_gaining`).
     bool levels_end_at_limits = false;

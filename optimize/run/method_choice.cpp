@@ -94,7 +94,6 @@ MinimizeOptions options_of_searches(const OptimizeOptions& options) {
     how.leaves_limits = options.leaves_limits;
     how.pays_without_shape = options.pays_without_shape;
     how.steps_pay_without_shape = options.steps_pay_without_shape;
-    how.stays_where_models_are_sure = options.stays_where_models_are_sure;
     return how;
 }
 

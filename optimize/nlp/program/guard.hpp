@@ -95,8 +95,8 @@ public:
     /// 0: any number.
     void set_patience(int evaluations_in_row) { patience_ = evaluations_in_row, gained_at_ = evaluations; }
 
-    int limit;           ///< of evaluations, for the present part of the search: <= options.max_evaluations, or
-                         ///< options.limit_while_gaining
+    int limit;           ///< of evaluations, for the present part of the search: at most the larger one of
+                         ///< options.max_evaluations and options.limit_while_gaining
     double scale = 1;    ///< NLopt sees objective / scale
     double penalty = 0;  ///< of a unit of violation, in the merit that is reported
     double best_merit = std::numeric_limits<double>::infinity();  ///< of all points seen, by the present penalty

@@ -51,9 +51,6 @@ struct MinimizeOptions {
     bool pays_without_shape = false;
     /// The same of the steps of `sqp`: none is looked at before it is evaluated.
     bool steps_pay_without_shape = false;
-    /// The meaning of earlier runs, of `model`: where models are sure that nothing is better next to the best point,
-    /// all of a batch stays there, though there are directions that nothing has been tried along.
-    bool stays_where_models_are_sure = false;
     /// sqp: the damping of a step that is too long is found by secants, not by bisection: where evaluations cost less
     /// than solving for a step.
     bool damps_by_secants = false;

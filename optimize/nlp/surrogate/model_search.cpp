@@ -33,7 +33,6 @@ constexpr double min_radius = 1e-4;       ///< times the first: below it no mode
 constexpr double min_distance = 1e-6;     ///< radii between two points
 constexpr double same_point = 1e-9;       ///< in z: round-off of inherited designs
 constexpr double next_to = 1e-2;          ///< radii
-constexpr double looks_away = 0.2;  ///< radii of its region: what is nearer to the best point looks at nothing new
 constexpr double penalty_over_multiplier = 2;
 constexpr int idle_steps = 2, max_forgotten_borders = 3;
 constexpr double kept_length = 0.5;       ///< of a step that exact limits shorten: less is tried the other way
@@ -168,7 +167,6 @@ private:
 
     void step() {
         centre_ = best_point();
-        go_on_while_gaining();
         if (points_.size() > 1) {
             models_ = std::make_unique<LocalModels>(points_, centre().z, radius_, !guard_.options.learns_as_before,
                                                     models_.get());
@@ -179,7 +177,8 @@ private:
         region_.centre = centre().z;
         region_.cut = border_cut();
         look_at_limits();
-        refused_ = 0, looks_along_ = false;
+        refused_ = 0;
+        go_on_while_gaining();
         const std::vector<Proposal> batch = models_ ? propose() : first_batch();
         if (!ends_here(batch)) evaluate(batch);
     }
@@ -266,7 +265,9 @@ private:
         pace_.note(guard_.evaluations, centre().values);
         const int most = guard_.options.limit_while_gaining - guard_.limit, batch = guard_.options.batch;
         if (most < batch || !is_last_batch()) return;
-        if (!pace_.holds([this](const VectorXd& values) { return merit(values); })) return;
+        const double noise = models_ ? (*models_)[0].noise() : 0;
+        const auto by_merit = [this](const VectorXd& values) { return merit(values); };
+        if (!pace_.holds(by_merit, visible_deviations * noise)) return;
         const int more = std::min(most, std::max(batch, pace_.part()));
         guard_.limit += more;
         guard_.report_event(text("the limit of evaluations", guard_.options.scope, " grows by ", more,
@@ -386,21 +387,12 @@ private:
             const VectorXd c = region_.centre;
             const VectorXd from = exploits ? c : VectorXd(c + 0.5 * region_.radius * next_direction());
             const std::size_t before = batch.size();
-            VectorXd there = minimum_.of(models, exploits ? 0 : confidence, from);
-            if (!exploits && stays_where_sure(there)) there = along(exploring_radius * radius_), looks_along_ = true;
-            add(batch, there, region_.radius);
+            add(batch, minimum_.of(models, exploits ? 0 : confidence, from), region_.radius);
             if (batch.size() == before) add(batch, along(exploring_radius * radius_), region_.radius);
             if (batch.size() > before) models.believe(batch.back().z);
             if (is_last) keep_distance(batch);
         }
         region_.margin = margin;
-    }
-
-    /// A few directions whose slopes are zero make models sure that those that nothing has been tried along are alike:
-    /// then all that is proposed is next to the best point, and nothing more is learned.
-    bool stays_where_sure(const VectorXd& there) const {
-        return !guard_.options.stays_where_models_are_sure && used_directions_ < directions_.cols() &&
-               (points_.whitened(there) - region_.centre).norm() < looks_away * region_.radius;
     }
 
     /// Nothing comes after this batch to go back from a constraint that is missed by a little: one point after another
@@ -530,7 +522,6 @@ private:
 
     void resize(double gained, double expected, double length) {
         const double largest = max_radius * guard_.options.first_step;
-        if (gained <= 0 && looks_along_) return;  // nothing was expected: it says nothing of the models' reach
         if (gained <= 0)
             radius_ *= 0.5, ++end_.shrinks;
         else if (length > 1.2 * radius_)
@@ -565,7 +556,6 @@ private:
     bool restores_equations_ = false, restores_limits_ = false;  ///< leads back to them
     int restored_at_ = 0, final_restorations_ = 0, without_shape_ = 0, refused_ = 0;
     ModelEnd end_;
-    bool looks_along_ = false;  ///< the last batch does, in the place of what stays next to the best point
     bool has_ended_ = false;
 };
 

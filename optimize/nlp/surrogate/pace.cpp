@@ -1,5 +1,7 @@
 #include "optimize/nlp/surrogate/pace.hpp"
 
+#include <algorithm>
+
 namespace strake {
 namespace {
 
@@ -11,14 +13,15 @@ void Pace::note(int evaluations, const Eigen::VectorXd& best) { notes_.push_back
 
 int Pace::part() const { return notes_.empty() ? 0 : (notes_.back().evaluations - notes_.front().evaluations) / parts; }
 
-bool Pace::holds(const std::function<double(const Eigen::VectorXd&)>& merit) const {
+bool Pace::holds(const std::function<double(const Eigen::VectorXd&)>& merit, double more_than) const {
     if (notes_.empty()) return false;
     const int begin = notes_.front().evaluations, spent = notes_.back().evaluations - begin;
     const double start = merit(notes_.front().best), now = merit(notes_.back().best);
     double before_last = start;
     for (const Note& note : notes_)
-        if (parts * (note.evaluations - begin) <= (parts - 1) * spent) before_last = merit(note.best);
-    return start > now && parts * (before_last - now) >= start - now;
+        if (parts * (note.evaluations - begin) <= (parts - 1) * spent)
+            before_last = std::min(before_last, merit(note.best));
+    return before_last - now > more_than && parts * (before_last - now) >= start - now;
 }
 
 }  // namespace strake

@@ -179,27 +179,6 @@ TEST(ModelSearch, BeginsWithFewWhereItIsTold) {
     for (std::size_t k = 0; k < half.size(); ++k) EXPECT_NEAR(half[k], 2 * whole[k], 1e-12);
 }
 
-/// The first slopes are all zero: models are sure that the others are, too.
-TEST(ModelSearch, LooksAlongWhatWasNeverTriedWhateverModelsAreSureOf) {
-    constexpr int variables = 27;
-    const auto gained = [](int flat, int batch, bool stays) {  // a share of all
-        NonlinearProgram p = long_bowl(variables);
-        p.evaluate = [flat](const VectorXd& x) {
-            Evaluation at;
-            at.objective = x.squaredNorm() - 2 * 0.7 * x.tail(variables - flat).sum() / std::sqrt(variables - flat);
-            for (int j = 0; j < flat; ++j) at.objective += 0.02 * (j % 2 == 0 ? -1 : 1) * x[j] * x[j];
-            return at;
-        };
-        MinimizeOptions how = few(60, batch);
-        how.tries_in_order = how.begins_with_few = true;
-        how.stays_where_models_are_sure = stays;
-        return -minimize(p, how).best.objective / (0.7 * 0.7);
-    };
-    for (const int flat : {9, 12, 15})
-        for (const int batch : {2, 3, 4}) EXPECT_GT(gained(flat, batch, false), 0.8) << flat << ", " << batch;
-    EXPECT_LT(gained(15, 2, true), 0.01) << "a run of before";
-}
-
 /// Differences have no step yet.
 TEST(ModelSearch, HasGainedBeforeAGradientByDifferencesIsPaid) {
     const auto left = [](Method method) {

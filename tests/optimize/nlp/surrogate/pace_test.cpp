@@ -48,6 +48,19 @@ TEST(Pace, IsOfTheMeritThatIsAsked) {
     EXPECT_FALSE(pace.holds([](const VectorXd& values) { return values[0] + values[1]; }));
 }
 
+TEST(Pace, LessThanNoiseIsNone) {
+    Pace pace;
+    for (int k = 0; k < 5; ++k) pace.note(8 * k, vec({8.0 - 2 * k}));
+    EXPECT_TRUE(pace.holds(first, 1.9));
+    EXPECT_FALSE(pace.holds(first, 2));
+}
+
+/// What counts no more by the present penalty, as the best of a time without one, does not make a pace.
+TEST(Pace, IsFromTheLeastMeritBefore) {
+    EXPECT_FALSE(holds({{0, 8}, {8, 1}, {16, 1}, {24, 7}, {32, 0.5}}));
+    EXPECT_TRUE(holds({{0, 8}, {8, 7}, {16, 6}, {24, 7}, {32, 0.5}}));
+}
+
 /// The distance from a point far away falls by as much with each step, that from one near by does not for long.
 MinimizeResult approached(double distance, int limit_while_gaining, std::vector<std::string>* events = nullptr) {
     NonlinearProgram p;

@@ -56,7 +56,7 @@ TEST(Pace, LessThanNoiseIsNone) {
 }
 
 /// What counts no more by the present penalty, as the best of a time without one, does not make a pace.
-TEST(Pace, IsFromTheLeastMeritBefore) {
+TEST(Pace, CountsFromTheLowestMeritBefore) {
     EXPECT_FALSE(holds({{0, 8}, {8, 1}, {16, 1}, {24, 7}, {32, 0.5}}));
     EXPECT_TRUE(holds({{0, 8}, {8, 7}, {16, 6}, {24, 7}, {32, 0.5}}));
 }

@@ -13,7 +13,7 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 constexpr double same_point = 1e-9;  ///< in z: round-off of inherited designs
-constexpr double next_to = 1e-2;     ///< first steps
+constexpr double next_to = 1e-2;     ///< of the first step: what exact limits move along other axes
 
 bool has_moved(const SampledPoints& points, int axis, double least) {
     for (int i = 1; i < points.size(); ++i)

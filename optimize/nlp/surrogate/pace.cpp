@@ -5,7 +5,7 @@
 namespace strake {
 namespace {
 
-constexpr int parts = 4;
+constexpr int parts = 4;  ///< of a search: the last one is compared with all
 
 }  // namespace
 

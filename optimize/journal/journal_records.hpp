@@ -24,7 +24,7 @@ struct RunLimits {
 };
 
 /// Of runs that begin now; the first is 1.
-constexpr int latest_meaning = 29;
+constexpr int latest_meaning = 30;
 inline int meaning_of(const std::string& written) {
     for (int meaning = 1; meaning < latest_meaning; ++meaning)
         if (written == std::to_string(meaning)) return meaning;
@@ -77,7 +77,9 @@ struct JournalFacts {
     /// triangles as near to the middle `hold: point` takes one, whatever rounding says; 27: by gradients single patches
     /// have variables beside fields (`OptimizeOptions::refines_whole_fronts`); 28: runs with fields look for waves of
     /// many minima, go back to the first fields, and begin there once more (`OptimizeOptions::ignores_waves`); 29:
-    /// levels of long runs by models go on while they gain (`OptimizeOptions::levels_end_at_limits`).
+    /// levels of long runs by models go on while they gain (`OptimizeOptions::levels_end_at_limits`); 30: searches by
+    /// models look along what they know nothing of, whatever they are sure of (`stays_where_models_are_sure`), and
+    /// do not take images of patches for exact (`images_are_exact`).
     int meaning = latest_meaning;
     std::vector<std::string> values, parameters;  ///< names of the values and of the parameters
     std::map<std::string, std::string> files;     ///< hash of each file that the case names

@@ -191,13 +191,15 @@ struct OptimizeOptions {
     /// and have no patches; a level that was left for finer details may be left for finer ones before it has moved; of
     /// `sqp`: `MinimizeOptions`.
     bool descends_as_before = false;
-    bool limits_by_models = false;         ///< the meaning of earlier runs: `MinimizeOptions`
-    bool limits_by_turns = false;          ///< the same
-    bool minima_in_variables = false;      ///< the same
-    bool leaves_equations = false;         ///< the same
-    bool leaves_limits = false;            ///< the same
-    bool pays_without_shape = false;       ///< the same
-    bool steps_pay_without_shape = false;  ///< the same
+    bool limits_by_models = false;             ///< the meaning of earlier runs: `MinimizeOptions`
+    bool limits_by_turns = false;              ///< the same
+    bool minima_in_variables = false;          ///< the same
+    bool leaves_equations = false;             ///< the same
+    bool leaves_limits = false;                ///< the same
+    bool pays_without_shape = false;           ///< the same
+    bool steps_pay_without_shape = false;      ///< the same
+    bool stays_where_models_are_sure = false;  ///< the same
+    bool images_are_exact = false;             ///< the same
     /// No values of mirror images are compared (`NonlinearProgram::mirror_images`): the meaning of earlier runs, and
     /// `optimize.symmetry: false`.
     bool ignores_symmetry = false;

@@ -94,6 +94,8 @@ MinimizeOptions options_of_searches(const OptimizeOptions& options) {
     how.leaves_limits = options.leaves_limits;
     how.pays_without_shape = options.pays_without_shape;
     how.steps_pay_without_shape = options.steps_pay_without_shape;
+    how.stays_where_models_are_sure = options.stays_where_models_are_sure;
+    how.images_are_exact = options.images_are_exact;
     return how;
 }
 

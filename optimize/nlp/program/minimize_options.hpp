@@ -49,7 +49,12 @@ struct MinimizeOptions {
     bool leaves_limits = false;
     /// The same: designs whose surface is not valid are evaluated where no shorter step has one that is.
     bool pays_without_shape = false;
-    /// The same of the steps of `sqp`: none is looked at before it is evaluated.
+    /// The same: directions that nothing is known of are looked along by what models are not sure of alone, with
+    /// `batch: 1` hardly ever.
+    bool stays_where_models_are_sure = false;
+    /// The same: a symmetry that levels have found is refuted by later ones, whose images are taken for exact.
+    bool images_are_exact = false;
+    /// The meaning of earlier runs, of `sqp`: no step is looked at before it is evaluated.
     bool steps_pay_without_shape = false;
     /// sqp: the damping of a step that is too long is found by secants, not by bisection: where evaluations cost less
     /// than solving for a step.

@@ -2,6 +2,7 @@
 
 #include "optimize/nlp/program/first_order.hpp"
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <numeric>
@@ -19,6 +20,7 @@ constexpr int min_points_per_term = 4;
 constexpr int points_per_length = 5;
 constexpr Eigen::Index max_lengths = 12, max_quadratic = 10;
 constexpr double beside = 0.1;  ///< of its distance from the start, that a point has from the directions of a search
+constexpr double min_curvature = 0.1;         ///< of the mean: what models do not know bends at least so
 constexpr double min_curvature_share = 0.01;  ///< of its size that is not the metric's
 
 }  // namespace
@@ -96,9 +98,35 @@ void SampledPoints::add(const VectorXd& x, const Evaluation& evaluation) {
         failed_.push_back(whitened(x));
 }
 
+MatrixXd SampledPoints::positive_hessian(const MatrixXd& by_z) const {
+    const Eigen::SelfAdjointEigenSolver<MatrixXd> of(0.5 * (by_z + by_z.transpose()));
+    const double mean = of.eigenvalues().cwiseAbs().mean();
+    if (!(mean > 0)) return {};
+    const VectorXd curvature = of.eigenvalues().cwiseMax(min_curvature * mean);
+    MatrixXd hessian = metric_of(program_) * mean;
+    const MatrixXd z_by_x = by_variables();
+    if (z_by_x.rows() == z_by_x.cols()) {
+        const MatrixXd root = z_by_x.transpose() * of.eigenvectors() * curvature.cwiseSqrt().asDiagonal();
+        hessian(free_, free_) = root * root.transpose();
+    } else {
+        const MatrixXd more =
+            of.eigenvectors() * (curvature.array() - mean).matrix().asDiagonal() * of.eigenvectors().transpose();
+        hessian(free_, free_) += z_by_x.transpose() * more * z_by_x;
+    }
+    return hessian;
+}
+
 bool SampledPoints::knows(const VectorXd& z, double distance) const {
     const auto is_near = [&](const VectorXd& other) { return (other - z).norm() <= distance; };
     return std::ranges::any_of(points_, is_near, &Point::z) || std::ranges::any_of(failed_, is_near);
+}
+
+std::vector<VectorXd> SampledPoints::steps(const VectorXd& centre, double reach) const {
+    std::vector<VectorXd> steps;
+    for (std::size_t i = 1; i < points_.size(); ++i) steps.push_back(points_[i].z - points_[0].z);
+    for (const VectorXd& failed : failed_)
+        if (const VectorXd step = failed - centre; step.norm() <= reach) steps.push_back(step);
+    return steps;
 }
 
 std::vector<int> SampledPoints::nearest(const VectorXd& z, double reach, int min, int max) const {

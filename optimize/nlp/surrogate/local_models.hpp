@@ -26,8 +26,13 @@ public:
     Eigen::VectorXd within_directions(const Eigen::VectorXd& x) const;
     Eigen::MatrixXd by_variables() const;                                 ///< d z / d free variables
     Eigen::MatrixXd free_along(const Eigen::MatrixXd& directions) const;  ///< free variables by directions of z
+    /// A Hessian by all variables, whose inverse makes steps: of a symmetric one by z, with curvatures of at least a
+    /// tenth of their mean size; what z does not span has the metric's, as large as that mean. Empty: it is zero.
+    Eigen::MatrixXd positive_hessian(const Eigen::MatrixXd& by_z) const;
     /// A point, with values or failed, is this near.
     bool knows(const Eigen::VectorXd& z, double distance) const;
+    /// In z, from the first point to all others, and from `centre` to those that failed no farther away than `reach`.
+    std::vector<Eigen::VectorXd> steps(const Eigen::VectorXd& centre, double reach) const;
     int size() const { return static_cast<int>(points_.size()); }
     Eigen::Index dimensions() const { return Q_.size() > 0 ? Q_.cols() : U_.cols(); }
     const std::vector<int>& free() const { return free_; }

@@ -20,10 +20,11 @@ constexpr double paired = 0.9;            ///< |mu| of directions that have an i
 constexpr Eigen::Index worth_a_look = 4;  ///< directions that may be spared
 constexpr double mostly_paired = 0.8;     ///< mean of mu^2
 constexpr int min_batches = 3;
-constexpr int min_left = 2;                         ///< evaluations for each of a look
-constexpr double same_value = 0.02;                 ///< of its change: meshes are no images of themselves
-constexpr double rounding = 1e-9;                   ///< of values
-constexpr double near_column[] = {0.5, 0.1, 1e-6};  ///< lengths of what a column has left, one round after another
+constexpr int min_left = 2;                          ///< evaluations for each of a look
+constexpr double same_value = 0.02;                  ///< of its change: meshes are no images of themselves
+constexpr double blur_of_error = 5, max_blur = 0.5;  ///< of that change: parts of it may cancel, the error may not
+constexpr double rounding = 1e-9;                    ///< of values
+constexpr double near_column[] = {0.5, 0.1, 1e-6};   ///< lengths of what a column has left, one round after another
 
 std::vector<int> free_of(const NonlinearProgram& program) {
     std::vector<int> free;
@@ -78,6 +79,12 @@ VectorXd MirrorDirections::image(const VectorXd& z) const {
     return directions_ * sign.cwiseProduct(directions_.transpose() * (motion_ * z));
 }
 
+double MirrorDirections::image_error(const VectorXd& z) const {
+    const VectorXd parts = (directions_.transpose() * (motion_ * z)).cwiseAbs2();
+    const double sum = parts.sum(), missed = parts.dot((1 - mu_.array().square()).cwiseMax(0).matrix());
+    return sum > 0 ? std::sqrt(missed / sum) : 0;
+}
+
 MirrorLook::MirrorLook(const NonlinearProgram& program, const SampledPoints& points)
     : program_(program), points_(points) {
     for (const MirrorImage& image : program.mirror_images)
@@ -104,13 +111,18 @@ std::vector<VectorXd> MirrorLook::steps(double length, unsigned seed) const {
     return steps;
 }
 
+double MirrorLook::blur(std::size_t image, const VectorXd& step) const {
+    if (!program_.mirror_images[image].holds) return 0;
+    return std::min(max_blur, blur_of_error * mirrors_[image].image_error(step));
+}
+
 bool MirrorLook::is_same(const SampledPoints::Point& start, const SampledPoints::Point& design,
-                         const SampledPoints::Point& image) const {
+                         const SampledPoints::Point& image, double blur) const {
     const VectorXd by_design = design.values - start.values, by_image = image.values - start.values;
     const VectorXd change = by_design.cwiseAbs().cwiseMax(by_image.cwiseAbs());
     VectorXd size = start.values.cwiseAbs();
     size.tail(size.size() - 1) = size.tail(size.size() - 1).cwiseMax(1);  // constraints are scaled
-    const VectorXd allowed = (same_value * change).cwiseMax(rounding * size);
+    const VectorXd allowed = (std::max(same_value, blur) * change).cwiseMax(rounding * size);
     return ((by_design - by_image).cwiseAbs().array() <= allowed.array()).all();
 }
 

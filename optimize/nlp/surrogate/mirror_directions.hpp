@@ -19,6 +19,8 @@ public:
     double mean_square_mu() const { return mu_.squaredNorm() / static_cast<double>(mu_.size()); }
     /// Of such a part.
     Eigen::VectorXd image(const Eigen::VectorXd& z) const;
+    /// What its motion misses of the mirror image of that of z (rms), over all of it.
+    double image_error(const Eigen::VectorXd& z) const;
 
 private:
     Eigen::MatrixXd motion_, image_;  ///< by z
@@ -35,9 +37,12 @@ public:
     bool is_worth(int evaluations_left) const;
     /// In z, from the start: the design, then an image for each of the program's. Empty: none has one.
     std::vector<Eigen::VectorXd> steps(double length, unsigned seed) const;
-    /// All values of the design and of its image are the same, to `same_value` of their change.
+    /// All values of the design and of its image are the same, to 2 % of their change, or to `blur` if that is more.
     bool is_same(const SampledPoints::Point& start, const SampledPoints::Point& design,
-                 const SampledPoints::Point& image) const;
+                 const SampledPoints::Point& image, double blur) const;
+    /// What a step's image may differ by where levels before have found values to be the same: some of what it misses
+    /// of the mirror image. Zero: they have not.
+    double blur(std::size_t image, const Eigen::VectorXd& step) const;
     /// The directions that are even by all images that hold; tells the program which do. All where nothing is even.
     /// @param holds of the first images; the others were not compared, and are as on the level before
     Eigen::MatrixXd even(const std::vector<char>& holds) const;

@@ -6,12 +6,13 @@
 #include "optimize/nlp/surrogate/first_directions.hpp"
 #include "optimize/nlp/surrogate/mirror_directions.hpp"
 #include "optimize/nlp/surrogate/pace.hpp"
+#include "optimize/nlp/surrogate/proposals.hpp"
 #include "optimize/nlp/surrogate/restored_design.hpp"
+#include "optimize/nlp/surrogate/untried.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <cmath>
-#include <iterator>
 #include <memory>
+#include <optional>
 
 namespace strake {
 namespace {
@@ -19,14 +20,10 @@ namespace {
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-/// Of a batch, minima of the means; the others look at what is not known yet: while there are fewer points than terms
-/// of a linear model, than twice as many, and after that.
-constexpr double exploiting_shares[] = {0.125, 0.25, 0.375};
-/// Radii of their regions, one after another.
-constexpr double exploiting_radii[] = {1, 2, 0.5, 1.4, 0.7, 2.8, 0.35, 4};
 constexpr double exploring_radius = 0.5;  ///< of the others, in radii: nearer points say more of the slopes
 constexpr double first_length = 0.3;      ///< of the first batch, in radii
 constexpr double few_first_length = 0.6;  ///< the same where it `begins_with_few`
+constexpr double new_share = 0.5;         ///< of a step that looks around, beyond all directions that were tried
 constexpr double confidence = 2;          ///< standard deviations of the lower confidence bound
 constexpr double max_radius = 4;          ///< times the first
 constexpr double min_radius = 1e-4;       ///< times the first: below it no model helps
@@ -37,19 +34,10 @@ constexpr double penalty_over_multiplier = 2;
 constexpr int idle_steps = 2, max_forgotten_borders = 3;
 constexpr double kept_length = 0.5;       ///< of a step that exact limits shorten: less is tried the other way
 constexpr double min_length_left = 0.1;   ///< what they leave less of goes on as it was: there is nothing to learn
-constexpr double min_curvature = 0.1;     ///< of the mean: what the models do not know bends at least so
 constexpr double visible_noise = 1e-3;    ///< of the model's scale: with more, means tell where the best point is
 constexpr int restoration_period = 8;     ///< evaluations of which one leads back to limits
 constexpr int last_restorations = 2;      ///< at the end: each leaves some percent of what is missed
 constexpr double visible_deviations = 2;  ///< of a model's noise: what misses an equation by less may be noise
-
-/// A point of a batch, and what the models expect there.
-struct Proposal {
-    VectorXd x, z;
-    double radius = 0;
-    VectorXd expected;      ///< values; empty before the first models
-    bool restores = false;  ///< leads back to limits, and says nothing of the trust region
-};
 
 class ModelSearch {
 public:
@@ -57,6 +45,7 @@ public:
         : guard_(guard),
           points_(guard),
           radius_(guard.options.first_step),
+          untried_(radius_),
           allowed_(guard),
           minimum_(guard, points_, allowed_, region_, [this](const VectorXd& values) { return merit(values); }) {
         region_.margin = VectorXd::Zero(guard.program.num_inequalities);
@@ -125,7 +114,8 @@ private:
             evaluate(batch);
             if (has_ended_) return holds;
             if (points_.size() != known + static_cast<int>(k) + 1) break;  // failures tell nothing
-            holds.push_back(look.is_same(points_[0], points_[known], points_[points_.size() - 1]));
+            const double blur = guard_.options.images_are_exact ? 0 : look.blur(k - 1, steps[0]);
+            holds.push_back(look.is_same(points_[0], points_[known], points_[points_.size() - 1], blur));
         }
         points_.forget_from(known);  // first steps are better taken in order
         return holds;
@@ -219,20 +209,7 @@ private:
         if (lambda.allFinite())
             for (Eigen::Index i = 0; i < lambda.size(); ++i)
                 if (lambda[i] != 0) H += lambda[i] * (*models_)[i + 1].hessian(centre().z);
-        const Eigen::SelfAdjointEigenSolver<MatrixXd> of(0.5 * (H + H.transpose()));
-        const double mean = of.eigenvalues().cwiseAbs().mean();
-        if (!(mean > 0)) return;
-        const VectorXd curvature = of.eigenvalues().cwiseMax(min_curvature * mean);
-        end_.hessian = metric_of(program()) * mean;
-        const MatrixXd by_variables = points_.by_variables();
-        if (by_variables.rows() == by_variables.cols()) {
-            const MatrixXd root = by_variables.transpose() * of.eigenvectors() * curvature.cwiseSqrt().asDiagonal();
-            end_.hessian(points_.free(), points_.free()) = root * root.transpose();
-        } else {
-            const MatrixXd more =
-                of.eigenvectors() * (curvature.array() - mean).matrix().asDiagonal() * of.eigenvectors().transpose();
-            end_.hessian(points_.free(), points_.free()) += by_variables.transpose() * more * by_variables;
-        }
+        end_.hessian = points_.positive_hessian(H);
     }
 
     /// By multipliers of the models' gradients.
@@ -292,18 +269,18 @@ private:
     }
 
     /// From the centre along the next direction, or against it where exact limits leave more of that.
-    VectorXd along(double length) {
-        const VectorXd step = length * next_direction();
+    VectorXd along(double length) { return along_step(length * next_direction(), std::abs(length)); }
+    VectorXd along_step(const VectorXd& step, double length) {
         const VectorXd there = guard_.inside(points_.variables(centre().z + step));
         if (!knows_slopes() || guard_.cause != StopCause::none) return there;
         if ((nearest_ - centre().z).norm() > radius_) return there;  // limits are too far to be met here
-        const VectorXd ahead = kept(there, std::abs(length));
-        if (left_of(ahead) > kept_length * std::abs(length)) return ahead;
+        const VectorXd ahead = kept(there, length);
+        if (left_of(ahead) > kept_length * length) return ahead;
         const VectorXd other = guard_.inside(points_.variables(centre().z - step));
         if (guard_.cause != StopCause::none) return there;
-        const VectorXd back = kept(other, std::abs(length));
+        const VectorXd back = kept(other, length);
         const VectorXd& longer = left_of(back) > left_of(ahead) ? back : ahead;
-        return left_of(longer) > min_length_left * std::abs(length) ? longer : there;
+        return left_of(longer) > min_length_left * length ? longer : there;
     }
     /// x, or the design next to it that keeps exact limits.
     VectorXd kept(const VectorXd& x, double length) const {
@@ -317,9 +294,8 @@ private:
 
     int exploiting() const {
         if (is_last_batch()) return guard_.options.batch;
-        const auto terms = static_cast<int>(points_.dimensions()) + 1;
-        const double share = exploiting_shares[std::min(points_.size() / terms, 2)];
-        return std::max(1, static_cast<int>(std::lround(share * guard_.options.batch)));
+        if (guard_.options.batch == 1 && !guard_.options.stays_where_models_are_sure) return expects_gain_ ? 0 : 1;
+        return minima_of_batch(guard_.options.batch, points_.size(), points_.dimensions());
     }
 
     /// Equations that only values tell.
@@ -379,20 +355,72 @@ private:
         const int minima = exploiting();
         const bool is_last = is_last_batch();
         const VectorXd margin = region_.margin;
+        expects_gain_ = minima > 0;
         for (int k = 0; k < places && guard_.cause == StopCause::none; ++k) {
-            const bool exploits = k < minima;
-            region_.radius =
-                radius_ * (exploits ? exploiting_radii[static_cast<std::size_t>(k) % std::size(exploiting_radii)]
-                                    : exploring_radius);
-            const VectorXd c = region_.centre;
-            const VectorXd from = exploits ? c : VectorXd(c + 0.5 * region_.radius * next_direction());
+            const auto tried = is_last ? nullptr : tried_before_all(batch);
             const std::size_t before = batch.size();
-            add(batch, minimum_.of(models, exploits ? 0 : confidence, from), region_.radius);
+            std::optional<Proposal> dropped;
+            if (k < minima) dropped = add_minimum(batch, models, k, tried != nullptr);
+            if (k == 0 && tried) expects_gain_ = minima > 0 && batch.size() > before;
+            if (batch.size() == before && (k >= minima || tried)) look_around(batch, models, tried.get());
+            if (batch.size() == before && dropped) {  // there is nothing to look at
+                batch.push_back(*dropped);
+                expects_gain_ |= k == 0;
+            }
             if (batch.size() == before) add(batch, along(exploring_radius * radius_), region_.radius);
             if (batch.size() > before) models.believe(batch.back().z);
             if (is_last) keep_distance(batch);
         }
         region_.margin = margin;
+    }
+
+    /// Of the means. @param drops_little what gains less than one more slope promises is returned, not added
+    std::optional<Proposal> add_minimum(std::vector<Proposal>& batch, const LocalModels& models, int k,
+                                        bool drops_little) {
+        region_.radius = radius_ * radius_of_minimum(k);
+        const std::size_t before = batch.size();
+        add(batch, minimum_.of(models, 0, region_.centre), region_.radius);
+        if (!drops_little || batch.size() == before) return {};
+        if (merit(centre().values) - merit(batch.back().expected) >= unknown_decrease()) return {};
+        const Proposal dropped = batch.back();
+        batch.pop_back();
+        return dropped;
+    }
+    double unknown_decrease() const { return strake::unknown_decrease((*models_)[0], centre().z, untried_.radius()); }
+
+    /// By the lower confidence bound; where the last batch has gained too little, only along what was not tried.
+    /// @param tried null: all directions have been
+    void look_around(std::vector<Proposal>& batch, const LocalModels& models, const TriedDirections* tried) {
+        region_.radius = radius_ * exploring_radius;
+        const VectorXd to = tried ? tried->first_beyond(directions_) : next_direction();
+        const VectorXd from = region_.centre + 0.5 * region_.radius * to;
+        const double factor = tried ? shortfall((*models_)[0], centre().z, untried_.radius()) : 1;
+        const std::size_t before = batch.size();
+        add(batch, minimum_.of(models, factor * confidence, from), region_.radius);
+        if (!tried) return;
+        const bool is_new = batch.size() > before && (gained_ >= unknown_decrease() ||
+                                                      tried->share_beyond(batch.back().z - centre().z) >= new_share);
+        if (is_new) return;
+        if (batch.size() > before) batch.pop_back();
+        add(batch, along_untried(untried_.length() * to), std::abs(untried_.length()));
+        if (batch.size() == before) untried_.leave(to);
+    }
+    /// A step, or the same the other way where bounds leave more of that.
+    VectorXd along_untried(const VectorXd& step) {
+        const VectorXd ahead = along_step(step, step.norm());
+        const auto left = [&](const VectorXd& x) { return (points_.whitened(x) - centre().z).norm(); };
+        if (guard_.cause != StopCause::none || left(ahead) > kept_length * step.norm()) return ahead;
+        const VectorXd back = along_step(-step, step.norm());
+        return left(back) > left(ahead) ? back : ahead;
+    }
+
+    /// Null: there is nothing left to try, or too much.
+    std::unique_ptr<TriedDirections> tried_before_all(const std::vector<Proposal>& batch) {
+        const bool can_try_all = points_.size() + left() > points_.dimensions();
+        if (guard_.options.stays_where_models_are_sure || !can_try_all) return nullptr;
+        std::vector<VectorXd> more;
+        for (const Proposal& p : batch) more.push_back(p.z);
+        return untried_.tried(points_, centre().z, more);
     }
 
     /// Nothing comes after this batch to go back from a constraint that is missed by a little: one point after another
@@ -444,7 +472,7 @@ private:
             if (refused_ > 0) failing_ = std::max(failing_, 1);
             return true;
         }
-        if (!models_ || batch[0].restores) return false;
+        if (!models_ || batch[0].restores || !expects_gain_) return false;
         const double expected = merit(centre().values) - merit(batch[0].expected);
         const double floor = std::max(guard_.decrease_tolerance(centre().values[0]), 0.1 * (*models_)[0].noise());
         const bool knows_enough = points_.size() > points_.dimensions() + 1;
@@ -504,6 +532,8 @@ private:
             return;
         }
         failing_ = 2 * failed > static_cast<int>(batch.size()) && best == before ? failing_ + 1 : 0;
+        untried_.learn(failing_ > 0, !expects_gain_);
+        gained_ = before - best;
         if (models_ && !batch[0].restores) resize(before - best, before - merit(batch[0].expected), length);
         if (failing_ > guard_.options.max_shrinks)
             end(MinimizeStop::no_valid_step, text("evaluations fail however short the step (", guard_.failure, ")"));
@@ -522,8 +552,9 @@ private:
 
     void resize(double gained, double expected, double length) {
         const double largest = max_radius * guard_.options.first_step;
+        const bool has_looked = !expects_gain_ && failing_ == 0;  // only slopes were asked for
         if (gained <= 0)
-            radius_ *= 0.5, ++end_.shrinks;
+            radius_ *= has_looked ? 1 : 0.5, ++end_.shrinks;  // waves are told by the batches that gain nothing
         else if (length > 1.2 * radius_)
             radius_ = std::min(2 * radius_, largest);
         else if (length > 0.8 * radius_ && gained > 0.5 * expected)
@@ -544,6 +575,8 @@ private:
     Guard& guard_;
     SampledPoints points_;
     double radius_, penalty_ = 0;  ///< the radius in z
+    UntriedSteps untried_;
+    double gained_ = 0;  ///< by the last batch
     ProposalRegion region_;
     AllowedDesigns allowed_;  ///< from where the search stands
     VectorXd nearest_;        ///< z next to that, within exact limits
@@ -551,6 +584,7 @@ private:
     Pace pace_;
     MatrixXd directions_;
     Eigen::Index used_directions_ = 0;
+    bool expects_gain_ = true;  ///< the first of a batch is a minimum of the models' means
     std::unique_ptr<LocalModels> models_;
     int centre_ = 0, idle_ = 0, failing_ = 0, forgotten_borders_ = 0;
     bool restores_equations_ = false, restores_limits_ = false;  ///< leads back to them

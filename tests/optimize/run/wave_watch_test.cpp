@@ -164,7 +164,7 @@ TEST(WaveWatch, EveryBudgetIsKept) {
 
 /// Whose first level looks between the start and its best design, and begins there once more.
 TEST(WaveWatch, ByValuesARunLooksForWavesAndBeginsAgain) {
-    Problem problem = by_values(0.3);
+    Problem problem = by_values(0.5);
     const Seen seen = run(problem);
     EXPECT_TRUE(seen.has_noted);
     EXPECT_EQ(return_of(seen), 0u);

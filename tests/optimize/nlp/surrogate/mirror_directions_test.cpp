@@ -121,4 +121,37 @@ TEST(MirrorDirections, EvenKeepTheOrderOfTheirColumns) {
     EXPECT_EQ(mirror.even_within(wanted), wanted);
 }
 
+/// What levels before have found holds where an image is no better than that its values differ so much; what differs
+/// altogether is refuted. In runs of before little was enough.
+TEST(MirrorDirections, BlurredImagesRefuteNoSymmetryThatHasHeld) {
+    const auto found = [](double mu, double tilt, bool has_held, bool doubts) {
+        NonlinearProgram p = mirrored_bowl(tilt);
+        p.mirror_images.resize(1);
+        p.mirror_images[0].image.diagonal().tail(4).setConstant(-mu);
+        p.mirror_images[0].holds = has_held;
+        bool holds = !has_held;
+        p.mirror_images[0].found = [&](bool is_same) { holds = is_same; };
+        MinimizeOptions how = by_models(30);
+        how.images_are_exact = doubts;
+        minimize(p, how);
+        return holds;
+    };
+    EXPECT_TRUE(found(0.99, 0.02, true, false));
+    EXPECT_FALSE(found(0.99, 0.02, false, false)) << "nothing has held before";
+    EXPECT_FALSE(found(0.99, 0.02, true, true)) << "a run of before";
+    EXPECT_FALSE(found(1, 0.02, true, false)) << "an exact image";
+    EXPECT_FALSE(found(0.99, 3, true, false));
+}
+
+TEST(MirrorDirections, TellWhatImagesMiss) {
+    const VectorXd mu = vec({1, -0.8, 0.6});
+    const MatrixXd all = MatrixXd::Identity(3, 3);
+    const MirrorDirections mirror({all, mu.asDiagonal(), false, {}}, all, {0, 1, 2});
+    EXPECT_NEAR(mirror.image_error(vec({0, 2, 0})), 0.6, 1e-5);  // what moves nothing has no image: no_motion
+    EXPECT_NEAR(mirror.image_error(vec({0, 0, -1})), 0.8, 1e-5);
+    EXPECT_NEAR(mirror.image_error(vec({1, 0, 1})), std::sqrt(0.32), 1e-5);
+    EXPECT_LT(mirror.image_error(vec({1, 0, 0})), 3e-3);
+    EXPECT_EQ(mirror.image_error(VectorXd::Zero(3)), 0);
+}
+
 }  // namespace strake

@@ -51,6 +51,8 @@ constexpr EarlierWay earlier_ways[] = {
      "model looks along untried directions only where it is not sure of them"},
     {"--images-are-exact", &OptimizeOptions::images_are_exact,
      "images of patches are taken for exact, and refute a symmetry"},
+    {"--follows-short-waves", &OptimizeOptions::follows_short_waves,
+     "models follow waves that are shorter than what lies between their points"},
     {"--whole-fronts", &OptimizeOptions::refines_whole_fronts, "beside fields all patches of a front have variables"},
     {"--whole-energies", &OptimizeOptions::counts_whole_energy, "elastic energies count wholly beside fields"},
     {"--ignores-symmetry", &OptimizeOptions::ignores_symmetry, "model searches symmetric designs among all others"},

@@ -200,6 +200,7 @@ struct OptimizeOptions {
     bool steps_pay_without_shape = false;      ///< the same
     bool stays_where_models_are_sure = false;  ///< the same
     bool images_are_exact = false;             ///< the same
+    bool follows_short_waves = false;          ///< the same
     /// No values of mirror images are compared (`NonlinearProgram::mirror_images`): the meaning of earlier runs, and
     /// `optimize.symmetry: false`.
     bool ignores_symmetry = false;

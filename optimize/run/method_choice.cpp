@@ -13,6 +13,8 @@ bool has(const Parameters& parameters, VariableKind kind) {
     return std::find(parameters.kinds.begin(), parameters.kinds.end(), kind) != parameters.kinds.end();
 }
 
+bool runs_several(const Quantity& quantity) { return quantity.parallel > 1; }
+
 bool has_patches_at_start(const Parameters& p) { return !p.fields || has(p, VariableKind::strain); }
 
 /// First of the values that the search needs and that have no gradient; empty: none.
@@ -96,6 +98,7 @@ MinimizeOptions options_of_searches(const OptimizeOptions& options) {
     how.steps_pay_without_shape = options.steps_pay_without_shape;
     how.stays_where_models_are_sure = options.stays_where_models_are_sure;
     how.images_are_exact = options.images_are_exact;
+    how.follows_short_waves = options.follows_short_waves;
     return how;
 }
 
@@ -149,6 +152,10 @@ MethodChoice choose_method(const Problem& problem, int budget) {
         const int first = batch_of_first_fields(problem.optimize);
         if (is_long && problem.program_parameters.empty() && first < problem.optimize.batch)
             choice.words += text("; the first level asks ", first, " at a time");
+        if (problem.optimize.batch > 1 && std::ranges::none_of(problem.quantities, runs_several))
+            choice.words +=
+                "; here they run one after another (parallel: 1), and optimize.batch: 1 learns after each: about a "
+                "seventh fewer evaluations";
     } else {
         choice.words = text("method: auto chooses sqp by differences: ", why);
     }

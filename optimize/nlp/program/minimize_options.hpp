@@ -54,6 +54,8 @@ struct MinimizeOptions {
     bool stays_where_models_are_sure = false;
     /// The same: a symmetry that levels have found is refuted by later ones, whose images are taken for exact.
     bool images_are_exact = false;
+    /// The same: models may follow waves that are shorter than what lies between their points.
+    bool follows_short_waves = false;
     /// The meaning of earlier runs, of `sqp`: no step is looked at before it is evaluated.
     bool steps_pay_without_shape = false;
     /// sqp: the damping of a step that is too long is found by secants, not by bisection: where evaluations cost less

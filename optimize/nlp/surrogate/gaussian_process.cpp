@@ -45,8 +45,11 @@ GaussianProcess::GaussianProcess(MatrixXd points, VectorXd values, const Gaussia
                                 points_.cols(), " coordinates, or not finite"));
     if (!(options.min_nugget > 0 && options.min_nugget < 1))
         throw InvalidInput(text("min_nugget = ", options.min_nugget, " must be in (0, 1)"));
+    if (!(options.min_length >= 0 && options.min_length <= Likelihood::usual_length))
+        throw InvalidInput(
+            text("min_length = ", options.min_length, " must be in [0, ", Likelihood::usual_length, "]"));
     choose_trend();
-    const Likelihood likelihood(points_, values_, H_, group, options.min_nugget);
+    const Likelihood likelihood(points_, values_, H_, group, options);
     kernel_ = likelihood.kernel(likelihood.usual());
     fit();
     if (std_ == 0 || points_.rows() - H_.cols() < 2) return;  // nothing tells one kernel from another

@@ -12,8 +12,7 @@ using Eigen::VectorXd;
 
 /// Of the logarithm of a length: a function of many coordinates depends a little on each, or much on few.
 constexpr double length_deviation = 1.5;
-constexpr double usual_length = 3;  ///< spreads of the coordinate times the root of the number of coordinates
-constexpr double bounds = 5;        ///< of the logarithm of a length about the usual one
+constexpr double bounds = 5;  ///< of the logarithm of a length about the usual one
 constexpr double max_nugget = 1;
 constexpr int max_iterations = 40;
 constexpr double enough = 1e-3;  ///< decrease of an iteration: less changes no prediction
@@ -46,23 +45,26 @@ MatrixXd correlations(const MatrixXd& points, const Kernel& kernel) {
 }
 
 Likelihood::Likelihood(const MatrixXd& points, const VectorXd& values, const MatrixXd& terms, std::vector<int> group,
-                       double min_nugget)
+                       const GaussianProcessOptions& options)
     : points_(points), values_(values), terms_(terms), group_(std::move(group)) {
     const int groups = 1 + *std::max_element(group_.begin(), group_.end());
     usual_.resize(groups + 1);
+    lower_.resize(groups + 1);
+    const double all = std::sqrt(static_cast<double>(points.cols()));
+    // n points in d dimensions are so much nearer to their neighbours than to each other.
+    const double spacing = std::pow(static_cast<double>(points.rows()), -1.0 / static_cast<double>(points.cols()));
     for (int g = 0; g < groups; ++g) {
         square_distance_.push_back(square_distances(points, group_, g));
         const auto members = static_cast<double>(std::count(group_.begin(), group_.end(), g));
         const double pairs = std::max(1.0, static_cast<double>(points.rows() * (points.rows() - 1)));
         const double spread = std::sqrt(square_distance_.back().sum() / pairs / 2 / members);
-        const double all = std::sqrt(static_cast<double>(points.cols()));
         usual_[g] = std::log((spread > 0 ? spread : 1) * usual_length * all);
+        lower_[g] = usual_[g] + std::max(-bounds, std::log(options.min_length / usual_length * spacing));
     }
-    lower_ = usual_.array() - bounds;
     upper_ = usual_.array() + bounds;
-    lower_[groups] = std::log(min_nugget);
+    lower_[groups] = std::log(options.min_nugget);
     upper_[groups] = std::log(max_nugget);
-    usual_[groups] = std::log(std::max(min_nugget, 1e-4));
+    usual_[groups] = std::log(std::max(options.min_nugget, 1e-4));
 }
 
 Kernel Likelihood::kernel(const VectorXd& theta) const {
@@ -156,7 +158,8 @@ Kernel Likelihood::best(const Kernel* start) const {
         starts.push_back(theta_of(*start));
     } else {
         starts.assign(2, usual_);
-        starts[1].head(usual_.size() - 1).array() -= 2;  // short lengths have a basin of their own
+        // Short lengths have a basin of their own, which may end below the bound: few points are not held to that.
+        starts[1].head(usual_.size() - 1).array() -= 2;
     }
     VectorXd best = usual_;
     double lowest = std::numeric_limits<double>::infinity();

@@ -10,9 +10,12 @@ Eigen::MatrixXd correlations(const Eigen::MatrixXd& points, const Kernel& kernel
 /// Restricted likelihood of a kernel, with priors: lower is better.
 class Likelihood {
 public:
-    /// @param terms n x p, of full rank, p < n
+    /// That the prior prefers: spreads of the coordinate times the root of the number of coordinates.
+    static constexpr double usual_length = 3;
+
+    /// @param terms n x p, of full rank, p < n @param options what bounds the kernel
     Likelihood(const Eigen::MatrixXd& points, const Eigen::VectorXd& values, const Eigen::MatrixXd& terms,
-               std::vector<int> group, double min_nugget);
+               std::vector<int> group, const GaussianProcessOptions& options);
 
     /// -2 log of likelihood times priors at theta = (log length of each group, log nugget), and its gradient; infinite
     /// where the correlations are not positive definite.

@@ -19,13 +19,15 @@ constexpr int min_points_per_term = 4;
 /// With so many points a coordinate, and few coordinates, each has a length scale of its own.
 constexpr int points_per_length = 5;
 constexpr Eigen::Index max_lengths = 12, max_quadratic = 10;
+constexpr double shortest_length = 1.1;  ///< that models may have, in spacings of their points
 constexpr double beside = 0.1;  ///< of its distance from the start, that a point has from the directions of a search
 constexpr double min_curvature = 0.1;         ///< of the mean: what models do not know bends at least so
 constexpr double min_curvature_share = 0.01;  ///< of its size that is not the metric's
 
 }  // namespace
 
-SampledPoints::SampledPoints(const Guard& guard) : program_(guard.program), free_(guard.free) {
+SampledPoints::SampledPoints(const Guard& guard)
+    : program_(guard.program), free_(guard.free), min_length_(guard.options.follows_short_waves ? 0 : shortest_length) {
     const MatrixXd metric = metric_of(program_);
     U_ = MatrixXd(metric(free_, free_)).llt().matrixU();
     const MatrixXd& second = program_.second_curvature;
@@ -151,6 +153,7 @@ LocalModels::LocalModels(const SampledPoints& points, const VectorXd& z, double 
     MatrixXd at(n, d);
     for (Eigen::Index i = 0; i < n; ++i) at.row(i) = points[used_[static_cast<std::size_t>(i)]].z;
     GaussianProcessOptions options;
+    options.min_length = points.min_length();
     options.trend = d <= max_quadratic ? Trend::quadratic : Trend::linear;
     if (shares_curvature) {
         options.square_about = z;

@@ -39,6 +39,7 @@ public:
     /// `NonlinearProgram::second_curvature` by z, without its mean (the metric has that), as large as the identity
     /// (Frobenius). Empty: the program has none, the metric is all of it, or there are too many variables.
     const Eigen::MatrixXd& curvature() const { return curvature_; }
+    double min_length() const { return min_length_; }  ///< `GaussianProcessOptions::min_length` of their models
 
     struct Point {
         Eigen::VectorXd x, z, values;  ///< the objective first
@@ -53,6 +54,7 @@ private:
     const std::vector<int>& free_;
     bool is_beside(const Eigen::VectorXd& x) const;
 
+    double min_length_;
     Eigen::MatrixXd U_, curvature_;
     Eigen::MatrixXd Q_;  ///< empty: all directions
     std::vector<Point> points_;

@@ -199,6 +199,18 @@ TEST(ModelRun, FirstFieldsAreAskedInHalfBatchesOfAtLeastFour) {
         << "a short run";
 }
 
+TEST(ModelRun, SaysThatOneAtATimeNeedsFewerWhereNoProgramRunsSeveral) {
+    const auto says = [](int batch, int parallel) {
+        Problem problem = with_fields(automatic(60));
+        problem.optimize.batch = batch;
+        problem.quantities[0].parallel = parallel;
+        return choose_method(problem, 60).words.find("optimize.batch: 1 learns after each") != std::string::npos;
+    };
+    EXPECT_TRUE(says(8, 1));
+    EXPECT_FALSE(says(8, 4));
+    EXPECT_FALSE(says(1, 1));
+}
+
 /// Who has the evaluations begins with the smoothest motions, one at a time; who has few with all of them mixed.
 TEST(ModelRun, ALongRunTriesOneFieldAfterAnother) {
     const auto moved_at_first = [](int budget, bool as_before, bool in_whole_batches = false) {  // variables

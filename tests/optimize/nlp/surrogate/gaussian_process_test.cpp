@@ -239,6 +239,40 @@ TEST(GaussianProcess, EqualPointsConstantValuesAndFewPointsAreNoTrouble) {
     EXPECT_NEAR(one_place.mean(VectorXd::Ones(2)), 2.5, 1e-6);
 }
 
+/// A bowl under waves that points on a line see, next to one another, and all others do not.
+TEST(GaussianProcess, WavesShorterThanTheSpacingOfItsPointsAreNoise) {
+    constexpr int d = 8, n = 24, near = 16, tries = 12;
+    const auto f = [&](const VectorXd& x) { return (x.array() - 0.4).square().sum() + 0.2 * std::sin(5 * x.sum()); };
+    int noisy = 0, noisy_without = 0;
+    for (unsigned seed = 1; seed <= tries; ++seed) {
+        MatrixXd points = latin_hypercube(n, d, seed);
+        for (int i = 1; i <= near; ++i) points.row(i) = points.row(0).array() + 0.02 * i;  // two waves
+        const MatrixXd off = points.rowwise() - points.colwise().mean();
+        const double spacing = off.norm() / std::sqrt(n - 1) * std::pow(n, -1.0 / d);
+        const auto noise = [&](double min_length) {
+            const Kernel start{VectorXd::Constant(d, 0.4 * spacing), 0.01};
+            const GaussianProcess model(points, values_of(points, f),
+                                        {.group = std::vector<int>(d, 0), .min_length = min_length}, &start);
+            EXPECT_GE(model.kernel().length[0], 0.999 * min_length * spacing);
+            return model.noise();
+        };
+        noisy += noise(1.1) > 0.05;
+        noisy_without += noise(0) > 0.05;
+    }
+    EXPECT_GE(noisy, 0.9 * tries);
+    EXPECT_LE(noisy_without, 0.1 * tries);
+}
+
+/// So few coordinates that many points are near each other: waves that these resolve are none of the noise.
+TEST(GaussianProcess, ABoundOfLengthsIsOfSpacings) {
+    const MatrixXd points = sobol_points(0, 30, 1);
+    const auto f = [](const VectorXd& x) { return std::sin(20 * x[0]); };
+    const GaussianProcess model(points, values_of(points, f), {.min_length = 1.1}),
+        coarse(points, values_of(points, f), {.min_length = 3});
+    EXPECT_GT(model.predicted_share(), 0.99);
+    EXPECT_GE(coarse.kernel().length[0], 3 * 0.28 / 30);
+}
+
 /// What a search may end with: of the trend's terms nothing but rounding is left.
 TEST(GaussianProcess, PointsNextToOneAnotherSayLittleButNoNaN) {
     constexpr int d = 12, n = 4 * d + 2;
@@ -266,6 +300,8 @@ TEST(GaussianProcess, RefusesWhatIsNotFiniteOrDoesNotFit) {
     EXPECT_THROW(GaussianProcess(MatrixXd::Zero(2, 2), VectorXd::Zero(2), {.group = {0}}), InvalidInput);
     EXPECT_THROW(GaussianProcess(MatrixXd::Zero(2, 2), VectorXd::Zero(2), {.group = {0, 2}}), InvalidInput);
     EXPECT_THROW(GaussianProcess(MatrixXd::Zero(2, 1), VectorXd::Zero(2), {.min_nugget = 0}), InvalidInput);
+    for (const double length : {-1.0, 3.1, double(NAN)})
+        EXPECT_THROW(GaussianProcess(MatrixXd::Zero(2, 1), VectorXd::Zero(2), {.min_length = length}), InvalidInput);
 }
 
 TEST(SpreadPoints, EveryPartOfEveryCoordinateContainsOne) {

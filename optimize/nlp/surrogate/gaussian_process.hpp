@@ -24,7 +24,7 @@ struct GaussianProcessOptions {
     double min_nugget = 1e-10;  ///< in (0, 1); what noise there is beyond it is estimated
     /// Of length scales, in [0, 3], in spacings of the points: their spread, times sqrt(d) n^(-1/d). Points tell
     /// nothing of waves that are shorter than what lies between them: with a bound these are noise, without one (0)
-    /// most of space is unknown where the likelihood follows them.
+    /// a likelihood of few points may follow them, and all space but the points is unknown.
     /// Without a kernel to start from, lengths of 3 / e^2 that nothing within the bound beats are kept, too.
     double min_length = 0;
     /// One more term of a constant or linear trend, |x - this|^2: a curvature that all directions share. Empty: none.

@@ -2,8 +2,11 @@
 #include "cases/geometry/closed_body.hpp"
 #include "core/fields/displacement_fields.hpp"
 #include "core/fields/typical_motions.hpp"
+#include "core/patches/automatic.hpp"
 #include "core/planform/find_wings.hpp"
 #include "core/planform/wing_lines.hpp"
+#include "optimize/space/design_space.hpp"
+#include "optimize/space/response_metric.hpp"
 
 #include <fmt/core.h>
 #include <Eigen/QR>
@@ -15,9 +18,10 @@
 /// What displacement fields can make: percent of the squared displacement (by area) of typical motions, on six bodies.
 ///     field_reach [FOLDER]    with the folder of real surfaces (default: $STRAKE_DATA), two more
 ///     field_reach --wings [FOLDER]    sections and fields of a wing on three wings: the same, and shapes of airfoils
-/// "27+9": the first 27 and the nine of 192 that a refinement takes, each for what it adds to those before. Bodies that
-/// are symmetric stay so (`mirror: true`; long runs by values find it), their sections follow each other from nose to
-/// tail.
+/// "27+9": the first 27 and the nine of 192 that a refinement takes, each for what it adds to those before. "27+73
+/// all": 73 more in the same way, of the fields and of the loads, in x, y and z, on the patches of the automatic
+/// levels. Bodies that are symmetric stay so (`mirror: true`; long runs by values find it), their sections follow each
+/// other from nose to tail.
 namespace {
 
 using namespace strake;
@@ -25,40 +29,38 @@ using Eigen::MatrixXd;
 using Eigen::Vector3d;
 using Eigen::VectorXd;
 
-struct Body {
+struct SampleBody {
     std::string name;
     TriMesh mesh;
     FieldConditions conditions;
     bool has_wings = false;  ///< motions along the span, too: of a body that is about as wide as long
 };
 
-/// The triangles of which all corners are below the share of the extent.
-std::vector<int> low_end(const TriMesh& mesh, int axis, double share) {
+/// The triangles of which all corners are in the first 5 % of the extent, of a coarse surface more.
+std::vector<int> low_end(const TriMesh& mesh, int axis) {
     const Box box = bounding_box(mesh);
     std::vector<int> held;
-    for (int t = 0; t < mesh.num_triangles(); ++t) {
-        bool is_in = true;
-        for (int k = 0; k < 3; ++k)
-            is_in &=
-                mesh.vertices(mesh.triangles(t, k), axis) <= box.min[axis] + share * (box.max[axis] - box.min[axis]);
-        if (is_in) held.push_back(t);
+    for (double share = 0.05; held.empty(); share += 0.01) {
+        const double limit = box.min[axis] + share * (box.max[axis] - box.min[axis]);
+        for (int t = 0; t < mesh.num_triangles(); ++t)
+            if (mesh.vertices(mesh.triangles.row(t), axis).maxCoeff() <= limit) held.push_back(t);
     }
     return held;
 }
 
-std::vector<Body> bodies(const std::string& folder) {
+std::vector<SampleBody> bodies(const std::string& folder) {
     const SymmetryPlane middle{Vector3d::UnitY(), 0};
-    std::vector<Body> all;
+    std::vector<SampleBody> all;
     const TriMesh wing = example::wing(5000), body = example::lifting_body(5000), tube = example::tube(4000),
                   fuselage = example::fuselage(4000);
     all.push_back({"wing, root held", wing, {}});
-    all.back().conditions.held = low_end(wing, 1, 0.05);
+    all.back().conditions.held = low_end(wing, 1);
     all.push_back({"lifting body, nose held", body, {}});
-    all.back().conditions.held = low_end(body, 0, 0.05);
+    all.back().conditions.held = low_end(body, 0);
     all.back().conditions.mirror = middle;
     all.push_back({"bent tube, nothing held", tube, {}});
     all.push_back({"fuselage, nose held", fuselage, {}});
-    all.back().conditions.held = low_end(fuselage, 0, 0.05);
+    all.back().conditions.held = low_end(fuselage, 0);
     all.back().conditions.mirror = middle;
     if (folder.empty()) return all;
     for (const auto& [file, axis, name] : {std::tuple("oneraM6_su2_surface.stl", 1, "ONERA M6, root held"),
@@ -66,7 +68,7 @@ std::vector<Body> bodies(const std::string& folder) {
         const auto path = std::filesystem::path(folder) / file;
         if (!std::filesystem::exists(path)) continue;
         all.push_back({name, read_surface(path).mesh, {}});
-        all.back().conditions.held = low_end(all.back().mesh, axis, 0.05);
+        all.back().conditions.held = low_end(all.back().mesh, axis);
         all.back().has_wings = axis == 0;
         if (axis == 0) all.back().conditions.mirror = middle;
     }
@@ -101,20 +103,11 @@ double share(const TriMesh& mesh, const DisplacementFields& fields, const Points
     return 1 - (columns * columns.colPivHouseholderQr().solve(target) - target).squaredNorm() / target.squaredNorm();
 }
 
-/// With the first ones and some of the others, one after the other that which adds most.
-double chosen_share(const TriMesh& mesh, const DisplacementFields& fields, const Points& wanted, bool is_held,
-                    int first, int more) {
-    const auto rigid = is_held ? std::vector<Points>{} : rigid_motions(mesh, {});
-    MatrixXd known(3 * mesh.num_vertices(), first + static_cast<int>(rigid.size()));
-    for (int b = 0; b < first; ++b) known.col(b) = flat_by_area(mesh, fields.field(b));
-    for (std::size_t k = 0; k < rigid.size(); ++k)
-        known.col(first + static_cast<int>(k)) = flat_by_area(mesh, rigid[k]);
-    const Eigen::HouseholderQR<MatrixXd> qr(known);
-    known = qr.householderQ() * MatrixXd::Identity(known.rows(), known.cols());
-    MatrixXd others(known.rows(), fields.size() - first);
-    for (int b = first; b < fields.size(); ++b)
-        others.col(b - first) = flat_by_area(mesh, fields.field(b)).normalized();
-    const VectorXd target = flat_by_area(mesh, wanted);
+/// With the known columns and some of the others, one after the other that which adds most.
+double chosen_share(const MatrixXd& known_columns, MatrixXd others, const VectorXd& target, int more) {
+    const Eigen::HouseholderQR<MatrixXd> qr(known_columns);
+    const MatrixXd known = qr.householderQ() * MatrixXd::Identity(known_columns.rows(), known_columns.cols());
+    others.colwise().normalize();
     VectorXd left = target - known * (known.transpose() * target);
     others -= known * (known.transpose() * others);
     for (int k = 0; k < more; ++k) {
@@ -131,6 +124,58 @@ double chosen_share(const TriMesh& mesh, const DisplacementFields& fields, const
     }
     return 1 - left.squaredNorm() / target.squaredNorm();
 }
+
+/// What a run may choose from: the first fields, which it has, other fields, and loads on patches of all levels.
+class Choice {
+public:
+    Choice(const SampleBody& body, const DisplacementFields& fields, int first) {
+        Problem problem;
+        problem.surface = body.mesh;
+        problem.tree = segment_automatically(body.mesh, adjacency(body.mesh));
+        problem.prism_height = VectorXd::Constant(body.mesh.num_vertices(), 0.02 * box_diagonal(body.mesh));
+        problem.fixed = body.conditions.held;
+        problem.parameters.mirror = body.conditions.mirror.has_value();
+        if (problem.fixed.empty()) {  // hold: point
+            const Points centroid = triangle_centroids(body.mesh);
+            const VectorXd area = triangle_areas(body.mesh);
+            const Eigen::RowVector3d middle = area.transpose() * centroid / area.sum();
+            Eigen::Index nearest = 0;
+            (centroid.rowwise() - middle).rowwise().squaredNorm().minCoeff(&nearest);
+            problem.supports = {static_cast<int>(nearest)};
+        }
+        rest_ = rest_facts(problem);
+        std::vector<VectorXd> known, others;
+        if (problem.fixed.empty())
+            for (const Points& motion : rigid_motions(body.mesh, body.conditions.mirror))
+                known.push_back(sampled_motion(*rest_, motion));
+        for (int b = 0; b < fields.size(); ++b)
+            (b < first ? known : others).push_back(sampled_motion(*rest_, fields.field(b)));
+        num_fields_ = others.size();
+        for (int level = 1; level < static_cast<int>(rest_->tree->levels.size()); ++level)
+            for (const auto& column : responses_at_rest(design_space(rest_, level)).samples.colwise())
+                others.emplace_back(column);
+        known_ = joined(known);
+        others_ = joined(others);
+    }
+
+    double of_fields(const Points& wanted, int more) const {
+        return chosen_share(known_, others_.leftCols(num_fields_), sampled_motion(*rest_, wanted), more);
+    }
+    double of_all(const Points& wanted, int more) const {
+        return chosen_share(known_, others_, sampled_motion(*rest_, wanted), more);
+    }
+
+private:
+    static MatrixXd joined(const std::vector<VectorXd>& columns) {
+        MatrixXd all(columns.at(0).size(), static_cast<Eigen::Index>(columns.size()));
+        for (std::size_t j = 0; j < columns.size(); ++j) all.col(static_cast<Eigen::Index>(j)) = columns[j];
+        return all;
+    }
+
+    std::shared_ptr<const RestFacts> rest_;
+    MatrixXd known_, others_;
+    std::size_t num_fields_ = 0;
+};
 
 /// Shapes of airfoils, zero at the root and largest at 0.8 of the semispan, by s and xi of the sections found: a mean
 /// line of NACA's four digits with its top at 0.4, more thickness between 0.3 and 0.9 of the chord, a nose that droops
@@ -161,8 +206,8 @@ std::vector<TypicalMotion> airfoil_motions(const TriMesh& mesh, const FieldCondi
     return motions;
 }
 
-std::vector<Body> wings(const std::string& folder) {
-    std::vector<Body> all{{"wing, root held", example::wing(5000), {}}};
+std::vector<SampleBody> wings(const std::string& folder) {
+    std::vector<SampleBody> all{{"wing, root held", example::wing(5000), {}}};
     for (const char* file : {"oneraM6_pyhyp_small.ply", "dpw_w1_pypan.tri"})
         if (const auto path = std::filesystem::path(folder) / file; std::filesystem::exists(path))
             all.push_back({text(file, ", root held"), read_surface(path).mesh, {}});
@@ -180,7 +225,7 @@ std::vector<int> root_of(const TriMesh& mesh, const WingCoordinates& wing) {
 }
 
 /// Sections (s) and fields of a wing (w) of these numbers.
-std::vector<DisplacementFields> both_kinds(const Body& body, const std::shared_ptr<const WingCoordinates>& wing) {
+std::vector<DisplacementFields> both_kinds(const SampleBody& body, const std::shared_ptr<const WingCoordinates>& wing) {
     std::vector<DisplacementFields> fields;
     for (const bool of_wing : {false, true})
         for (const int number : {12, 24, 27, 36, 60}) {
@@ -193,7 +238,7 @@ std::vector<DisplacementFields> both_kinds(const Body& body, const std::shared_p
 }
 
 void print_wings(const std::string& folder) {
-    for (Body& body : wings(folder)) {
+    for (SampleBody& body : wings(folder)) {
         const auto found = find_wing(body.mesh);
         if (!found) throw InvalidInput(text(body.name, ": no wing is seen"));
         const Wing wing(body.mesh, found->declaration);
@@ -213,7 +258,7 @@ void print_wings(const std::string& folder) {
 }
 
 /// Typical ones, and the droop; of a body with wings those of the wings, too.
-std::vector<TypicalMotion> motions_of(const Body& body, const FieldFrame& frame) {
+std::vector<TypicalMotion> motions_of(const SampleBody& body, const FieldFrame& frame) {
     std::vector<TypicalMotion> motions = typical_motions(body.mesh, body.conditions);
     Points down = droop(body.mesh, frame);
     for (const int t : body.conditions.held)
@@ -233,20 +278,21 @@ int main(int argc, char** argv) {
     const int first = is_of_wings ? 2 : 1;
     const std::string folder = argc > first ? argv[first] : data ? data : "";
     if (is_of_wings) return print_wings(folder), 0;
-    for (const Body& body : bodies(folder)) {
+    for (const SampleBody& body : bodies(folder)) {
         fmt::print("{}\n{:<10}", body.name, "");
         std::vector<DisplacementFields> fields;
         for (const int number : {27, 36, 60, 100, 192}) {
             fields.emplace_back(body.mesh, body.conditions, FieldOptions{number, {}});
             fmt::print("{:>7}", fields.back().size());
         }
-        fmt::print("{:>7}", "27+9");
+        fmt::print("{:>7}{:>11}", "27+9", "27+73 all");
+        const Choice choice(body, fields.back(), 27);
         for (const TypicalMotion& motion : motions_of(body, fields[0].frame())) {
             fmt::print("\n{:<10}", motion.name);
             for (const DisplacementFields& one : fields)
                 fmt::print("{:7.1f}", 100 * share(body.mesh, one, motion.displacement, !body.conditions.held.empty()));
-            fmt::print("{:7.1f}", 100 * chosen_share(body.mesh, fields.back(), motion.displacement,
-                                                     !body.conditions.held.empty(), 27, 9));
+            fmt::print("{:7.1f}{:11.1f}", 100 * choice.of_fields(motion.displacement, 9),
+                       100 * choice.of_all(motion.displacement, 73));
         }
         fmt::print("\n\n");
     }

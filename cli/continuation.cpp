@@ -59,7 +59,7 @@ void keep_meaning(Case& the_case, int meaning) {
                   since_borders_are_kept = 23, since_wide_bodies_have_noses = 24, since_first_fields_ask_less = 25,
                   since_energy_is_shared = 26, since_parts_of_parts_are_seen = 26, since_ties_are_broken = 26,
                   since_patches_are_single = 27, since_waves_are_seen = 28, since_levels_go_on = 29,
-                  since_all_is_tried = 30, since_short_waves_are_noise = 31;
+                  since_all_is_tried = 30, since_short_waves_are_noise = 31, since_levels_may_slow_down = 32;
     for (WingEntry& wing : the_case.planform) {
         wing.keeps_outline = wing.keeps_outline && meaning >= since_outlines_are_kept;
         wing.rules = meaning < since_noses_are_corners_later ? WingRules::earlier
@@ -114,6 +114,7 @@ void keep_meaning(Case& the_case, int meaning) {
     the_case.optimize.refines_whole_fronts = meaning < since_patches_are_single;
     the_case.optimize.ignores_waves |= meaning < since_waves_are_seen;
     the_case.optimize.levels_end_at_limits = meaning < since_levels_go_on;
+    the_case.optimize.levels_gain_a_quarter = meaning < since_levels_may_slow_down;
     the_case.optimize.stays_where_models_are_sure = meaning < since_all_is_tried;
     the_case.optimize.images_are_exact = meaning < since_all_is_tried;
     the_case.optimize.follows_short_waves = meaning < since_short_waves_are_noise;

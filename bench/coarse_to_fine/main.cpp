@@ -47,6 +47,8 @@ constexpr EarlierWay earlier_ways[] = {
     {"--parts-alone", &OptimizeOptions::sees_parts_alone, "refinement looks at parts of patches alone, never deeper"},
     {"--ignore-waves", &OptimizeOptions::ignores_waves, "steps are not watched for waves of many minima"},
     {"--levels-end", &OptimizeOptions::levels_end_at_limits, "levels of model end at their limits, though they gain"},
+    {"--levels-gain-a-quarter", &OptimizeOptions::levels_gain_a_quarter,
+     "levels of model go on where their last quarter has gained a quarter of all, not 15 %"},
     {"--stays-where-sure", &OptimizeOptions::stays_where_models_are_sure,
      "model looks along untried directions only where it is not sure of them"},
     {"--images-are-exact", &OptimizeOptions::images_are_exact,

@@ -24,7 +24,7 @@ struct RunLimits {
 };
 
 /// Of runs that begin now; the first is 1.
-constexpr int latest_meaning = 31;
+constexpr int latest_meaning = 32;
 inline int meaning_of(const std::string& written) {
     for (int meaning = 1; meaning < latest_meaning; ++meaning)
         if (written == std::to_string(meaning)) return meaning;
@@ -80,7 +80,8 @@ struct JournalFacts {
     /// levels of long runs by models go on while they gain (`OptimizeOptions::levels_end_at_limits`); 30: searches by
     /// models look along what they know nothing of, whatever they are sure of (`stays_where_models_are_sure`), and
     /// do not take images of patches for exact (`images_are_exact`); 31: waves shorter than the spacing of points are
-    /// noise to models (`follows_short_waves`).
+    /// noise to models (`follows_short_waves`); 32: levels of long runs by models go on where their last quarter gains
+    /// 15 % of all, not a quarter (`levels_gain_a_quarter`).
     int meaning = latest_meaning;
     std::vector<std::string> values, parameters;  ///< names of the values and of the parameters
     std::map<std::string, std::string> files;     ///< hash of each file that the case names

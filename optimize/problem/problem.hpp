@@ -238,6 +238,7 @@ struct OptimizeOptions {
     /// The meaning of earlier runs: levels of long ones by models end at their limits, though they still gain
     /// (`MinimizeOptions::limit_while_gaining`).
     bool levels_end_at_limits = false;
+    bool levels_gain_a_quarter = false;  ///< the same: they go on where `MinimizeOptions::gaining_share` is a quarter
     double step_tolerance = 1e-6;        ///< or below this change of the scaled variables
     double constraint_tolerance = 1e-6;  ///< of the scaled constraint, for "feasible"
     bool finite_differences = false;  ///< gradients of values without sensitivities by differences in the scaled basis

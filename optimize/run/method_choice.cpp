@@ -99,6 +99,7 @@ MinimizeOptions options_of_searches(const OptimizeOptions& options) {
     how.stays_where_models_are_sure = options.stays_where_models_are_sure;
     how.images_are_exact = options.images_are_exact;
     how.follows_short_waves = options.follows_short_waves;
+    if (options.levels_gain_a_quarter) how.gaining_share = 0.25;
     return how;
 }
 

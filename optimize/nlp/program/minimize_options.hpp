@@ -81,11 +81,12 @@ struct MinimizeOptions {
     std::vector<int> first_alone;
     /// model: the limit of evaluations is for all variables, and shrinks with what mirror images leave of them.
     bool limit_follows_variables = false;
-    /// model: what the limit of evaluations may grow to. Where the last quarter of the evaluations has gained a quarter
-    /// of all that the search has, and more than noise, it has a quarter more (at least a batch), again and again. 0:
-    /// `max_evaluations` is all.
+    /// model: what the limit of evaluations may grow to. Where the last quarter of the evaluations has gained
+    /// `gaining_share` of all that the search has, and more than noise, it has a quarter more (at least a batch), again
+    /// and again. 0: `max_evaluations` is all.
     int limit_while_gaining = 0;
-    bool confirm = true;  ///< converged only when a fresh start at the end gains nothing more
+    double gaining_share = 0.15;  ///< in (0, 1]
+    bool confirm = true;          ///< converged only when a fresh start at the end gains nothing more
     /// The given one, then random ones within the bounds, which must be finite. They share the budget.
     int starts = 1;
     unsigned seed = 1;                     ///< of random starts and of NLopt's random methods

@@ -242,13 +242,13 @@ private:
         pace_.note(guard_.evaluations, centre().values);
         const int most = guard_.options.limit_while_gaining - guard_.limit, batch = guard_.options.batch;
         if (most < batch || !is_last_batch()) return;
-        const double noise = models_ ? (*models_)[0].noise() : 0;
+        const double noise = models_ ? (*models_)[0].noise() : 0, share = guard_.options.gaining_share;
         const auto by_merit = [this](const VectorXd& values) { return merit(values); };
-        if (!pace_.holds(by_merit, visible_deviations * noise)) return;
+        if (!pace_.holds(share, by_merit, visible_deviations * noise)) return;
         const int more = std::min(most, std::max(batch, pace_.part()));
         guard_.limit += more;
         guard_.report_event(text("the limit of evaluations", guard_.options.scope, " grows by ", more,
-                                 ": the last quarter of them has gained a quarter of all or more"));
+                                 ": the last quarter of them has gained ", 100 * share, " % of all or more"));
     }
     VectorXd next_direction() { return directions_.col(used_directions_++ % directions_.cols()); }
 

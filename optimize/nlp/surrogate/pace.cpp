@@ -5,15 +5,17 @@
 namespace strake {
 namespace {
 
+using Eigen::VectorXd;
+
 constexpr int parts = 4;  ///< of a search: the last one is compared with all
 
 }  // namespace
 
-void Pace::note(int evaluations, const Eigen::VectorXd& best) { notes_.push_back({evaluations, best}); }
+void Pace::note(int evaluations, const VectorXd& best) { notes_.push_back({evaluations, best}); }
 
 int Pace::part() const { return notes_.empty() ? 0 : (notes_.back().evaluations - notes_.front().evaluations) / parts; }
 
-bool Pace::holds(const std::function<double(const Eigen::VectorXd&)>& merit, double more_than) const {
+bool Pace::holds(double share, const std::function<double(const VectorXd&)>& merit, double more_than) const {
     if (notes_.empty()) return false;
     const int begin = notes_.front().evaluations, spent = notes_.back().evaluations - begin;
     const double start = merit(notes_.front().best), now = merit(notes_.back().best);
@@ -21,7 +23,7 @@ bool Pace::holds(const std::function<double(const Eigen::VectorXd&)>& merit, dou
     for (const Note& note : notes_)
         if (parts * (note.evaluations - begin) <= (parts - 1) * spent)
             before_last = std::min(before_last, merit(note.best));
-    return before_last - now > more_than && parts * (before_last - now) >= start - now;
+    return before_last - now > more_than && before_last - now >= share * (start - now);
 }
 
 }  // namespace strake

@@ -10,9 +10,9 @@ class Pace {
 public:
     /// @param best values of the best point after so many evaluations, which do not decrease from one call to the next
     void note(int evaluations, const Eigen::VectorXd& best);
-    /// The last quarter of the evaluations has gained at least a quarter of all that the search has.
+    /// The last quarter of the evaluations has gained at least this share of all that the search has.
     /// @param merit of values: what is smaller is better @param more_than this: less may be noise
-    bool holds(const std::function<double(const Eigen::VectorXd&)>& merit, double more_than = 0) const;
+    bool holds(double share, const std::function<double(const Eigen::VectorXd&)>& merit, double more_than = 0) const;
     /// Evaluations of a quarter.
     int part() const;
 

@@ -551,6 +551,11 @@ TEST(ModelRun, LevelsOfALongRunGoOnWhileTheyGain) {
     EXPECT_GE(*std::ranges::min_element(levels), 2) << now.notes;
     EXPECT_LE(now.result.evaluations, 200);
     EXPECT_EQ(run(problem).result.vertices, now.result.vertices) << "bit for bit";
+    EXPECT_NE(now.notes.find("has gained 15 % of all"), std::string::npos) << now.notes;
+    problem.optimize.levels_gain_a_quarter = true;
+    const Told before = run(problem);
+    EXPECT_EQ(before.notes.find("has gained 15 % of all"), std::string::npos) << before.notes;
+    EXPECT_LE(grown(before).size(), levels.size());
     problem.optimize.levels_end_at_limits = true;
     EXPECT_EQ(grown(run(problem)), std::vector<int>{});
 }

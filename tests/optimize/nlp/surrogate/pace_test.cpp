@@ -14,16 +14,18 @@ using Eigen::VectorXd;
 double first(const VectorXd& values) { return values[0]; }
 
 /// Noted after so many evaluations each.
-bool holds(const std::vector<std::pair<int, double>>& notes) {
+bool holds(const std::vector<std::pair<int, double>>& notes, double share = 0.25) {
     Pace pace;
     for (const auto& [evaluations, value] : notes) pace.note(evaluations, vec({value}));
-    return pace.holds(first);
+    return pace.holds(share, first);
 }
 
-TEST(Pace, HoldsWhereTheLastQuarterGainsAQuarter) {
+TEST(Pace, HoldsWhereTheLastQuarterGainsItsShare) {
     EXPECT_TRUE(holds({{0, 8}, {8, 6}, {16, 4}, {24, 2}, {32, 0}})) << "evenly";
     EXPECT_TRUE(holds({{0, 8}, {8, 8}, {16, 8}, {24, 8}, {32, 7}})) << "only then";
     EXPECT_FALSE(holds({{0, 8}, {8, 3}, {16, 2}, {24, 1.5}, {32, 0}})) << "3/16 of it";
+    EXPECT_TRUE(holds({{0, 8}, {8, 3}, {16, 2}, {24, 1.5}, {32, 0}}, 0.1875));
+    EXPECT_FALSE(holds({{0, 8}, {8, 8}, {16, 8}, {24, 8}, {32, 8}}, 0.01)) << "nothing is no share of nothing";
     EXPECT_TRUE(holds({{0, 8}, {8, 3}, {16, 2}, {24, 2}, {32, 0}}));
     EXPECT_FALSE(holds({{0, 8}, {8, 8}, {16, 8}, {24, 8}, {32, 8}})) << "nothing";
     EXPECT_FALSE(holds({{0, 8}})) << "the start alone";
@@ -44,15 +46,15 @@ TEST(Pace, AQuarterIsOfWhatTheSearchHasSpent) {
 TEST(Pace, IsOfTheMeritThatIsAsked) {
     Pace pace;
     for (int k = 0; k < 5; ++k) pace.note(8 * k, vec({double(4 - k), k < 4 ? 0.0 : 10.0}));
-    EXPECT_TRUE(pace.holds(first));
-    EXPECT_FALSE(pace.holds([](const VectorXd& values) { return values[0] + values[1]; }));
+    EXPECT_TRUE(pace.holds(0.25, first));
+    EXPECT_FALSE(pace.holds(0.25, [](const VectorXd& values) { return values[0] + values[1]; }));
 }
 
 TEST(Pace, LessThanNoiseIsNone) {
     Pace pace;
     for (int k = 0; k < 5; ++k) pace.note(8 * k, vec({8.0 - 2 * k}));
-    EXPECT_TRUE(pace.holds(first, 1.9));
-    EXPECT_FALSE(pace.holds(first, 2));
+    EXPECT_TRUE(pace.holds(0.25, first, 1.9));
+    EXPECT_FALSE(pace.holds(0.25, first, 2));
 }
 
 /// What counts no more by the present penalty, as the best of a time without one, does not make a pace.
@@ -62,7 +64,8 @@ TEST(Pace, CountsFromTheLowestMeritBefore) {
 }
 
 /// The distance from a point far away falls by as much with each step, that from one near by does not for long.
-MinimizeResult approached(double distance, int limit_while_gaining, std::vector<std::string>* events = nullptr) {
+MinimizeResult approached(double distance, int limit_while_gaining, std::vector<std::string>* events = nullptr,
+                          double gaining_share = MinimizeOptions().gaining_share) {
     NonlinearProgram p;
     p.start = VectorXd::Zero(3);
     p.lower = VectorXd::Constant(3, -1e3);
@@ -77,6 +80,7 @@ MinimizeResult approached(double distance, int limit_while_gaining, std::vector<
     how.batch = 4;
     how.max_evaluations = 24;
     how.limit_while_gaining = limit_while_gaining;
+    how.gaining_share = gaining_share;
     how.scope = " of level 3";
     if (events) how.on_event = [=](const std::string& words) { events->push_back(words); };
     return minimize(p, how);
@@ -92,9 +96,15 @@ TEST(Pace, ASearchThatGainsGoesOnToItsLastLimit) {
     EXPECT_NE(goes_on.reason.find("limit of evaluations of level 3 is reached (6"), std::string::npos)
         << goes_on.reason;
     ASSERT_FALSE(events.empty());
-    EXPECT_EQ(events[0],
-              "the limit of evaluations of level 3 grows by 5: the last quarter of them has gained a quarter of all or "
-              "more");
+    EXPECT_EQ(
+        events[0],
+        "the limit of evaluations of level 3 grows by 5: the last quarter of them has gained 15 % of all or more");
+}
+
+TEST(Pace, HowMuchASearchMustGainToGoOnIsStated) {
+    std::vector<std::string> events;
+    EXPECT_EQ(approached(300, 60, &events, 1).evaluations, 24) << "no last quarter gains it all";
+    EXPECT_TRUE(events.empty()) << events[0];
 }
 
 TEST(Pace, ASearchThatHasComeToRestEndsAtItsLimit) {

@@ -151,9 +151,10 @@ public:
         for (int b = 0; b < fields.size(); ++b)
             (b < first ? known : others).push_back(sampled_motion(*rest_, fields.field(b)));
         num_fields_ = others.size();
-        for (int level = 1; level < static_cast<int>(rest_->tree->levels.size()); ++level)
-            for (const auto& column : responses_at_rest(design_space(rest_, level)).samples.colwise())
-                others.emplace_back(column);
+        for (int level = 1; level < static_cast<int>(rest_->tree->levels.size()); ++level) {
+            const MatrixXd of_level = responses_at_rest(design_space(rest_, level)).samples;
+            for (Eigen::Index j = 0; j < of_level.cols(); ++j) others.emplace_back(of_level.col(j));
+        }
         known_ = joined(known);
         others_ = joined(others);
     }

@@ -14,6 +14,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <numbers>
+#include <numeric>
 
 /// What displacement fields can make: percent of the squared displacement (by area) of typical motions, on six bodies.
 ///     field_reach [FOLDER]    with the folder of real surfaces (default: $STRAKE_DATA), two more
@@ -137,10 +138,10 @@ public:
         problem.parameters.mirror = body.conditions.mirror.has_value();
         if (problem.fixed.empty()) {  // hold: point
             const Points centroid = triangle_centroids(body.mesh);
-            const VectorXd area = triangle_areas(body.mesh);
-            const Eigen::RowVector3d middle = area.transpose() * centroid / area.sum();
+            std::vector<int> all(static_cast<std::size_t>(body.mesh.num_triangles()));
+            std::iota(all.begin(), all.end(), 0);
             Eigen::Index nearest = 0;
-            (centroid.rowwise() - middle).rowwise().squaredNorm().minCoeff(&nearest);
+            (centroid.rowwise() - area_centroid(body.mesh, all).transpose()).rowwise().squaredNorm().minCoeff(&nearest);
             problem.supports = {static_cast<int>(nearest)};
         }
         rest_ = rest_facts(problem);

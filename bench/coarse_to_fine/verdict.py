@@ -99,8 +99,9 @@ def write_references(path, folders, names):
                 if math.isnan(p.best):
                     continue
                 counts = [p.reach(way, share) for way in REFERENCE_WAYS for share in SHARES]
-                out.writerow([seed_of(folder), name, repr(p.start), repr(p.best)] +
-                             ["inf" if c is None or math.isinf(c) else c for c in counts])
+                if None in counts:
+                    raise SystemExit(f"{folder}: {name} was not run by both of {' and '.join(REFERENCE_WAYS)}")
+                out.writerow([seed_of(folder), name, repr(p.start), repr(p.best)] + counts)
 
 
 def write_enough(folder, names, references):

@@ -1,7 +1,9 @@
 #!/usr/bin/env python3
 """The report in a real browser: browser_test.py STRAKE MAKE_SURFACE. Exit status 77: skipped, with the reason."""
+import json
 import os
 import pathlib
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -178,6 +180,24 @@ class Page(unittest.TestCase):
             self.assertNotIn(bad, words)
         for good in ("maximize bulk", "Why it stopped", "What to try next", "onerror=alert(1)", "alpha"):
             self.assertIn(good, words)
+
+    def test_0_shares_of_the_gain_add_up_where_a_level_goes_back(self):
+        with tempfile.TemporaryDirectory() as folder, Browser(1100, 800) as b:
+            run = pathlib.Path(folder) / "run"
+            shutil.copytree(self.page.parent, run)
+            record = json.loads((run / "run.json").read_text())
+            levels = record["levels"]
+            self.assertGreater(len(levels), 1)
+            levels[-1]["objective_start"] = levels[0]["objective_start"]
+            (run / "run.json").write_text(json.dumps(record))
+            subprocess.run([STRAKE, "report", run], check=True, capture_output=True)
+            b.open(run / "report.html")
+            b.until("document.documentElement.dataset.ready")
+            shares = b.run("""(() => { const t = [...document.querySelectorAll('#summary table')].find((t) => t.caption.textContent.startsWith('Levels'));
+                const k = [...t.querySelectorAll('thead th')].findIndex((c) => c.textContent === 'share of the gain');
+                return [...t.querySelectorAll('tbody tr')].map((r) => parseFloat(r.children[k].textContent.replace('\u2212', '-'))); })()""")
+            self.assertEqual(len(shares), len(levels))
+            self.assertAlmostEqual(sum(shares), 100, delta=0.5)  # three digits each
 
     def test_0_the_first_screen_shows_the_shape(self):
         b = self.browser

@@ -76,10 +76,18 @@ function levelTable(run) {
   const first = run.levels.find((l) => Number.isFinite(l.objective_start));
   const last = [...run.levels].reverse().find((l) => Number.isFinite(l.objective_end));
   const whole = first && last ? last.objective_end - first.objective_start : NaN;
+  // From end to end: a level may start where an earlier one was, and the shares add up to the whole.
+  let before = first ? first.objective_start : NaN;
+  const gained = (level) => {
+    if (!Number.isFinite(level.objective_end)) return 0;
+    const gain = level.objective_end - before;
+    before = level.objective_end;
+    return gain;
+  };
   return table('Levels and their gains', [['level', false], ['patches', true], ['variables', true], ['evaluations', true], ['objective from', true], ['to', true], ['share of the gain', true], ['why it ended', false]],
     run.levels.map((l) => [String(l.level), l.patches === undefined ? '–' : String(l.patches), l.variables === undefined ? String(l.shape_variables.names.length || '–') : String(l.variables),
       String(l.evaluations), number(l.objective_start), number(l.objective_end),
-      whole ? `${number((100 * (l.objective_end - l.objective_start)) / whole, 3)} %` : '–', l.stop || '–']));
+      whole ? `${number((100 * gained(l)) / whole, 3)} %` : '–', l.stop || '–']));
 }
 
 export function failures(run) {

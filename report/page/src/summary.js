@@ -75,9 +75,9 @@ function levelTable(run) {
   if (run.levels.length === 0) return null;
   const first = run.levels.find((l) => Number.isFinite(l.objective_start));
   const last = [...run.levels].reverse().find((l) => Number.isFinite(l.objective_end));
-  const whole = first && last ? last.objective_end - first.objective_start : NaN;
+  const whole = last?.objective_end - first?.objective_start;
   // From end to end: a level may start where an earlier one was, and the shares add up to the whole.
-  let before = first ? first.objective_start : NaN;
+  let before = first?.objective_start;
   const gained = (level) => {
     if (!Number.isFinite(level.objective_end)) return 0;
     const gain = level.objective_end - before;

@@ -80,7 +80,7 @@ sanitized() {
         cmake --build --preset sanitize && ctest --test-dir build/sanitize --output-on-failure -j2
     else
         cmake --build --preset sanitize --target formats_tests casefile_tests fuzz_bytes fuzz_case fuzz_seeds &&
-            printf '%s\n' build/sanitize/tests/core/formats/formats_tests build/sanitize/tests/casefile/casefile_tests |
+            printf '%s\n' build/sanitize/tests/core/formats/formats_tests GTEST_SHARD_INDEX={0,1}" GTEST_TOTAL_SHARDS=2 build/sanitize/tests/casefile/casefile_tests" |
             xargs -P 2 -I{} sh -c {}
     fi
 }
